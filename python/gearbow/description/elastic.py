@@ -96,23 +96,15 @@ class Interface(Part):
 
 @dataclass(frozen=True)
 class ElasticBody(Part):
-    """Modes of an elastic body with unit modal mass, and the motion of its interfaces in them.
+    """Modes of an elastic body with unit modal mass, and the motion of its interfaces in them."""
 
-    Parameters
-    ----------
-    frequencies : tuple of float
-        Natural frequencies of the h modes [rad/s]; zero for rigid-body motions.
-    damping_ratios : tuple of float
-        Damping ratio of each mode.
-    interfaces : mapping
-        For each interface its position, rows (6, h) and springs to the ground, as plain data.
-    translation : tuple of three tuples, optional
-        Modal coordinates of a translation along x, y and z; None for a clamped body.
-    """
-
+    # Natural frequencies of the h modes [rad/s], shape (h,); zero for rigid-body motions.
     frequencies: tuple[float, ...]
+    # Damping ratio of each mode, shape (h,).
     damping_ratios: tuple[float, ...]
+    # For each interface its position, rows (6, h) and springs to the ground, as plain data.
     interfaces: Mapping[str, Mapping[str, Any]]
+    # Modal coordinates of a translation along x, y and z, shape (3, h); None for a clamped body.
     translation: Rows | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:  # noqa: ARG002  # the core has the path
@@ -289,10 +281,8 @@ def _modes(matrices: Matrices, basis: Array) -> tuple[Array, Array]:
 def _translations(
     rows: Mapping[str, Array], interfaces: Mapping[str, Interface], rigid: NDArray[np.bool_]
 ) -> Array:
-    """Give the modal coordinates of translations of a free body, shape (3, modes).
-
-    The interfaces must move as their positions say in each rigid-body motion.
-    """
+    """Give the modal coordinates of translations of a free body, shape (3, modes)."""
+    # The interfaces must move as their positions say in each rigid-body motion.
     moved, wanted = [], []
     for name, own in rows.items():
         x, y, z = (float(value) for value in interfaces[name].position)

@@ -73,10 +73,7 @@ def _draw(panel: Axes, course: Course, lines: Mapping[int, str]) -> None:
 
 
 def stresses(courses: Mapping[str, Sequence[Array]], *, ax: GivenAxes = None) -> Figure:
-    """Draw equivalent stresses along shafts, and the utilisation of those with a limit.
-
-    A course is the positions [m], amplitudes and means [Pa], and the utilisation, shape (k,) each.
-    """
+    """Draw positions [m], amplitudes and means of equivalent stresses [Pa] and utilisations."""
     has_limit = any(np.isfinite(course[3]).any() for course in courses.values())
     rows, columns = 1 + has_limit, len(courses)
     with panels(

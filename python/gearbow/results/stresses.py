@@ -270,11 +270,9 @@ def of_tones(tones: Tones, section: int, factors: Sequence[float]) -> FibreStres
 
 
 def _extremes(tones: Iterable[tuple[float, Any]], spin: float) -> tuple[Array, Array]:
-    """Give middle and half of the range of Σ Re(p e^{iνt}) for tones (ν, p), shape (fibres,).
-
-    Tones of whole multiples of the spin repeat after a turn, and are sampled. Others meet them, and
-    each other, at every phase, so that their amplitudes add up.
-    """
+    """Give middle and half of the range of Σ Re(p e^{iνt}) for tones (ν, p), shape (fibres,)."""
+    # Tones of whole multiples of the spin repeat after a turn, and are sampled. Others meet them,
+    # and each other, at every phase, so that their amplitudes add up.
     given = list(tones)
     scale = max(*(abs(rate) for rate, _ in given), abs(spin)) or 1.0
     merged: dict[float, Any] = {}

@@ -248,7 +248,7 @@ def test_stresses(tmp_path: Path, capsys):
     for name in ("amplitude", "mean", "utilisation", "bending"):
         np.testing.assert_allclose(found[name], getattr(expected, name))
     assert (tmp_path / "stresses.png").stat().st_size > 1000
-    code, out, error = called(capsys, *given[:4], *strength[:2])
+    code, _, error = called(capsys, *given[:4], *strength[:2])
     assert code == 2
     assert "--tensile-strength" in error
 
