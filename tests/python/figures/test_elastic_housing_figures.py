@@ -11,6 +11,7 @@ import gearbow as gb
 from reference.elastic import system
 
 pytest.importorskip("matplotlib")
+pytest.importorskip("scipy")
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,8 @@ import gearbow as gb
 from gearbow.cli.main import main
 from reference.elastic import system
 
+pytest.importorskip("scipy")
+
 
 @pytest.mark.parametrize("names", [("housing",), ("left [box]", 'right "box"')])
 def test_a_saved_system_is_read_as_it_was(tmp_path: Path, names: tuple[str, ...]):

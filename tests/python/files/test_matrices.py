@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.io
-from scipy import sparse
 
 import gearbow as gb
+
+scipy_io = pytest.importorskip("scipy.io")
+sparse = pytest.importorskip("scipy.sparse")
 
 #: A chain of three masses, of which the first is on the ground; n × n.
 MASS = np.diag([5.0, 4.0, 3.0])
@@ -57,19 +58,19 @@ def write_files(folder: Path) -> dict[str, tuple[Path, Path]]:
     pair("one array", ".npz", np.savez)
     pair("csc", ".npz", lambda path, matrix: sparse.save_npz(path, sparse.csc_matrix(matrix)))
     pair("coo", ".npz", lambda path, matrix: sparse.save_npz(path, sparse.coo_matrix(matrix)))
-    pair("market", ".mtx", lambda path, a: scipy.io.mmwrite(path, sparse.coo_matrix(a)))
-    pair("dense market", ".mtx", scipy.io.mmwrite)
-    pair("general market", ".mtx", lambda p, a: scipy.io.mmwrite(p, a, symmetry="general"))
+    pair("market", ".mtx", lambda path, a: scipy_io.mmwrite(path, sparse.coo_matrix(a)))
+    pair("dense market", ".mtx", scipy_io.mmwrite)
+    pair("general market", ".mtx", lambda p, a: scipy_io.mmwrite(p, a, symmetry="general"))
     pair(
         "all market",
         ".mtx",
-        lambda p, a: scipy.io.mmwrite(p, sparse.csc_matrix(a), symmetry="general"),
+        lambda p, a: scipy_io.mmwrite(p, sparse.csc_matrix(a), symmetry="general"),
     )
     both("two arrays", ".npz", lambda path: np.savez(path, M=MASS, K=STIFFNESS, nodes=[1, 2, 3]))
     named = {"M": sparse.csc_matrix(MASS), "K": sparse.csc_matrix(STIFFNESS)}
-    both("sparse matlab", ".mat", lambda path: scipy.io.savemat(path, named, do_compression=True))
+    both("sparse matlab", ".mat", lambda path: scipy_io.savemat(path, named, do_compression=True))
     dense = {"mass": MASS, "stiffness": STIFFNESS, "title": "chain"}
-    both("matlab", ".mat", lambda path: scipy.io.savemat(path, dense))
+    both("matlab", ".mat", lambda path: scipy_io.savemat(path, dense))
     lines = ["$ punch", *dmig("KAAX", STIFFNESS), *dmig("MAAX", MASS), "ENDDATA"]
     both("nastran", ".pch", lambda path: path.write_text("\n".join(lines)))
     small = """\
