@@ -121,7 +121,8 @@ class Coordinates(Shown):
         """Collect the coordinates of a system."""
         given: list[Gear | Disk] = [*gears, *disks]
         bodies = {body.name: (body.shaft, float(body.position)) for body in given}
-        bodies |= {name: (name, x) for name, x, _ in nodal(dofs) if name in bases}
+        rigid = [(name, x) for name, x, kind in nodal(dofs) if not kind.startswith("mode")]
+        bodies |= {name: (name, x) for name, x in rigid if name in bases}
         points = {
             name: (housing.name, tuple(np.subtract(point, housing.position).tolist()))
             for housing in housings
@@ -297,6 +298,12 @@ class Coordinates(Shown):
                 raise SceneError(
                     f'at: "{at}" is a point of a housing, which only displacements accept; name '
                     f'the housing "{self.points[at][0]}"'
+                )
+            if at in self.seats or any(at == housing for housing, _ in self.seats.values()):
+                names = [name for name, (housing, _) in self.seats.items() if at in (name, housing)]
+                raise SceneError(
+                    f'at: "{at}" belongs to an elastic housing, of which the interfaces '
+                    f"{', '.join(names)} have displacements and the twist"
                 )
             known = [*self.bodies, *self.points, *self.seats]
             raise SceneError(

@@ -5,6 +5,7 @@ forces at the interfaces (Rubin 1975, AIAA J. 13, 995–1006; MacNeal 1971), for
 bodies alike. Its modes with unit modal mass are the coordinates of the body.
 """
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, TypeAlias
@@ -156,7 +157,8 @@ class Matrices:
             from scipy import sparse  # noqa: PLC0415
 
         found = {}
-        for name, given in (("mass", mass), ("stiffness", stiffness)):
+        for name, one in (("mass", mass), ("stiffness", stiffness)):
+            given = _from_file(one, name) if isinstance(one, str | os.PathLike) else one
             matrix = given if sparse.issparse(given) else np.asarray(given, dtype=np.float64)
             if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
                 raise SceneError(f"{name}: must be a square matrix, got the shape {matrix.shape}")
@@ -177,6 +179,13 @@ class Matrices:
                 f"{found['stiffness'].shape}"
             )
         return cls(**found)
+
+
+def _from_file(path: str | os.PathLike[str], name: str) -> Any:
+    """Read a matrix from a file."""
+    from gearbow.exchange.matrices import read_matrix  # noqa: PLC0415
+
+    return read_matrix(path, name)
 
 
 def reduced(
@@ -239,18 +248,35 @@ def _basis(matrices: Matrices, rows: Array, limit: float) -> Array:
     size = mass.shape[0]
     used = rows[np.abs(rows).sum(axis=1) > 0.0]
     # A shift keeps the factors of a free body regular; the kept modes contain what it changes.
-    factors = linalg.splu(sparse.csc_matrix(stiffness + _SHIFT * limit**2 * mass))
+    try:
+        factors = linalg.splu(sparse.csc_matrix(stiffness + _SHIFT * limit**2 * mass))
+    except RuntimeError:
+        raise SceneError(
+            "stiffness: leaves a degree of freedom without stiffness and mass; remove its row and "
+            "column from both matrices"
+        ) from None
     static = factors.solve(used.T)
     if size <= max(3 * used.shape[0], 60):
-        return np.hstack([static, np.eye(size)])
+        return np.hstack([static, _complete(matrices)])
     count = _count_below(matrices, limit)
     if count >= size - 1:
-        return np.eye(size)
+        return _complete(matrices)
     operator = linalg.LinearOperator((size, size), matvec=factors.solve, dtype=np.float64)
     _, modes = linalg.eigsh(
         stiffness, max(count, 1), mass, sigma=-_SHIFT * limit**2, OPinv=operator
     )
     return np.hstack([modes, static])
+
+
+def _complete(matrices: Matrices) -> Array:
+    """Give a basis of all motions, in which degrees of freedom without mass follow statically."""
+    heavy = matrices.mass.diagonal() > 0.0
+    basis = np.eye(heavy.size)[:, heavy]
+    if not heavy.all():
+        stiffness = matrices.stiffness.toarray()
+        inner, across = stiffness[~heavy][:, ~heavy], stiffness[~heavy][:, heavy]
+        basis[~heavy] = -np.linalg.lstsq(inner, across, rcond=None)[0]
+    return basis
 
 
 def _count_below(matrices: Matrices, limit: float) -> int:
@@ -268,9 +294,12 @@ def _count_below(matrices: Matrices, limit: float) -> int:
 
 def _modes(matrices: Matrices, basis: Array) -> tuple[Array, Array]:
     """Give squared frequencies and modes with unit modal mass in the space of a basis."""
-    scaled = basis / np.sqrt(np.einsum("ij,ij->j", basis, matrices.mass @ basis))
+    masses = np.einsum("ij,ij->j", basis, matrices.mass @ basis)
+    scaled = basis / np.sqrt(np.where(masses > 0.0, masses, 1.0))
     gram = scaled.T @ (matrices.mass @ scaled)
     sizes, directions = np.linalg.eigh(gram)
+    if masses.size == 0 or not (masses.min() > 0.0 and sizes[0] > -_SYMMETRIC * sizes[-1]):
+        raise SceneError("mass: must be positive definite, except for rows and columns of zeros")
     kept = sizes > _DEPENDENT * sizes.max()
     space = scaled @ (directions[:, kept] / np.sqrt(sizes[kept]))
     projected = space.T @ (matrices.stiffness @ space)

@@ -403,12 +403,26 @@ class BodyOutline(Shown):
 
 
 @dataclass(frozen=True, eq=False)
+class InterfaceOutline(ReadOnly):
+    """An interface of an elastic housing."""
+
+    name: str
+    #: Position (x, y, z) [m].
+    position: Array
+    #: Displacements along x, y and z in each mode of the housing, shape (3, modes).
+    rows: Array
+    #: Position of its bearing on the shaft [m]; None if it carries no bearing.
+    bearing: float | None
+
+
+@dataclass(frozen=True, eq=False)
 class BaseOutline(ReadOnly):
     """What bearings stand on: its centre [m], and (shaft, position [m]) of these bearings."""
 
     name: str
     centre: Array
     feet: tuple[tuple[str, float], ...]
+    interfaces: tuple[InterfaceOutline, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -476,9 +490,12 @@ def _bases(
     """Give the supports and housings; a support is at the middle of its bearings."""
     origins = {shaft.name: shaft.origin for shaft in shafts}
     feet: dict[str, list[tuple[str, float]]] = {}
+    carried: dict[str, float] = {}
     for bearing in bearings:
         base = bearing.support
         seat = housing_and_interface(base)
+        if seat is not None:
+            carried[seat[1]] = float(bearing.position)
         name = base if isinstance(base, str) else getattr(base, "name", None)
         name = name if seat is None else seat[0]
         if name is not None:
@@ -489,7 +506,18 @@ def _bases(
     for name, own in feet.items():
         at = [origins[shaft] + np.array([x, 0.0, 0.0]) for shaft, x in own]
         middle: Array = np.mean(at, axis=0)
-        yield BaseOutline(name, centres.get(name, middle), tuple(own))
+        interfaces = tuple(
+            InterfaceOutline(
+                place,
+                np.array(given["position"], dtype=np.float64),
+                np.array(given["rows"], dtype=np.float64)[:3],
+                carried.get(place),
+            )
+            for housing in housings
+            if housing.name == name and housing.elastic is not None
+            for place, given in housing.elastic.interfaces.items()
+        )
+        yield BaseOutline(name, centres.get(name, middle), tuple(own), interfaces)
 
 
 def reference_radius(body: Gear | Disk) -> float:

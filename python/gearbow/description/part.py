@@ -152,9 +152,9 @@ def freeze(part: Part, *names: str) -> None:
 
 
 def tuples(value: Plain) -> Plain:
-    """Convert nested lists to nested tuples."""
+    """Convert nested lists and tuples to nested tuples."""
     # The core reports an invalid value that is not a list, with its path.
-    return tuple(tuples(item) for item in value) if isinstance(value, list) else value
+    return tuple(tuples(item) for item in value) if isinstance(value, list | tuple) else value
 
 
 def expect(value: object, kind: type[P], path: str, *others: type[P]) -> P:

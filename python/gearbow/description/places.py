@@ -190,8 +190,12 @@ class Housing(Part):
         ----------
         name : str
             Name, unique in the system.
-        mass, stiffness : array_like or sparse matrix, shape (n, n)
-            Symmetric matrices in SI units. A clamped model has no free motion, a free one six.
+        mass, stiffness : array_like, sparse matrix or path-like, shape (n, n)
+            Symmetric matrices in SI units. A clamped model has no free motion, a free one six. A
+            file has one of them, or both with names that begin with m, and with k or s: NumPy and
+            SciPy (``.npz``, ``.npy``), MATLAB up to version 7 (``.mat``), Matrix Market
+            (``.mtx``), or DMIG entries of Nastran (``.pch``, ``.bdf``, ``.dat``), whose rows are in
+            ascending order of grid and component.
         interfaces : mapping of {str: Interface}
             Bearing seats, feet and sensors by names that are unique in the system. The feet of a
             free model have a stiffness to the ground.
@@ -210,7 +214,10 @@ class Housing(Part):
         ------
         SceneError
             If the matrices are no symmetric square matrices of one size, leave some but not six
-            motions free, or do not fit the positions of the interfaces.
+            motions free, or do not fit the positions of the interfaces, or if a file is damaged,
+            of another format, or has several matrices.
+        OSError
+            If a file cannot be opened.
         MissingExtraError
             If SciPy is not installed.
 

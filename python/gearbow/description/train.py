@@ -74,6 +74,7 @@ class Train(ReadOnly):
                 *(parts[key] for key in lists),
                 centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(description)],
                 couplings=parts["couplings"],
+                housings=parts["housings"],
                 sleeves=parts["sleeves"],
             ),
             ratios={s.name: float(r) for s, r in zip(parts["shafts"], ratios, strict=True)},

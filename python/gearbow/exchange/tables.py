@@ -14,8 +14,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearbow._convert import shown
 from gearbow._extras import extra
@@ -398,33 +400,48 @@ _MAX_SIZE = 100_000_000
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8"}
 _TYPES |= {12: "i8", 13: "u8"}
 _MATRIX, _COMPRESSED = 14, 15
-#: Classes of arrays of numbers: double, single and whole numbers of 8 to 64 bits.
-_NUMERIC = range(6, 16)
+#: Classes of sparse matrices, and of arrays: double, single and whole numbers of 8 to 64 bits.
+_SPARSE, _NUMERIC = 5, range(6, 16)
 _COMPLEX = 0x0800
 #: Types of numbers in version 4.
 _TYPES_4 = ("f8", "f4", "i4", "i2", "u2", "u1")
+#: Name, shape and numbers of a variable; None for other variables than real numbers.
+Variable: TypeAlias = "tuple[str, tuple[int, ...], Array | Sparse | None]"
+
+
+@dataclass(frozen=True, eq=False)
+class Sparse:
+    """A sparse matrix of MATLAB: its numbers by columns, their rows, and where columns start."""
+
+    rows: NDArray[np.int64]
+    starts: NDArray[np.int64]
+    numbers: Array
 
 
 def read_vectors(path: Path) -> dict[str, Array]:
     """Read the variables of a file, each of which must be a vector of numbers."""
-    data = path.read_bytes()
     vectors = {}
+    for name, shape, values in read_variables(path):
+        if values is None or isinstance(values, Sparse):
+            raise SceneError(f"{path}: {name}: must be a vector of numbers")
+        if len(shape) > 2 or min(shape, default=1) != 1:
+            raise SceneError(f"{path}: {name}: must be a vector, has the shape {shape}")
+        vectors[name] = values
+    return vectors
+
+
+def read_variables(path: Path) -> list[Variable]:
+    """Read name, shape and numbers of each variable; None for other variables than real numbers."""
+    data = path.read_bytes()
     with parsing(path, "a MATLAB file of a version before 7.3"):
         if data[:8] == b"\x89HDF\r\n\x1a\n" or data[:10] == b"MATLAB 7.3":
             raise ValueError("save it with -v7")
         order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
-        variables = _version_4(data) if order is None else _version_5(data, order)
-        for name, shape, values in variables:
-            if values is None:
-                raise SceneError(f"{path}: {name}: must be a vector of numbers")
-            if len(shape) > 2 or min(shape, default=1) != 1:
-                raise SceneError(f"{path}: {name}: must be a vector, has the shape {shape}")
-            vectors[name] = values
-    return vectors
+        return list(_version_4(data) if order is None else _version_5(data, order))
 
 
-def _version_5(data: bytes, order: str) -> Iterator[tuple[str, tuple[int, ...], Array | None]]:
-    """Give name, shape and numbers of each variable; None for other variables than real numbers."""
+def _version_5(data: bytes, order: str) -> Iterator[Variable]:
+    """Give the variables of a file of version 5 to 7."""
     at = 128
     while at < len(data):
         kind, content, at = _element(data, at, order)
@@ -439,7 +456,7 @@ def _version_5(data: bytes, order: str) -> Iterator[tuple[str, tuple[int, ...], 
         yield from _array(content, order)
 
 
-def _array(content: bytes, order: str) -> Iterator[tuple[str, tuple[int, ...], Array | None]]:
+def _array(content: bytes, order: str) -> Iterator[Variable]:
     """Give the variable of an array; what has no name belongs to MATLAB."""
     _, flags, at = _element(content, 0, order)
     (what,) = struct.unpack_from(f"{order}I", flags)
@@ -447,12 +464,21 @@ def _array(content: bytes, order: str) -> Iterator[tuple[str, tuple[int, ...], A
     shape = tuple(np.frombuffer(sizes, f"{order}i4").tolist())
     _, letters, at = _element(content, at, order)
     name = letters.decode("ascii")
-    if what & 0xFF not in _NUMERIC or what & _COMPLEX:
+    if what & 0xFF not in (_SPARSE, *_NUMERIC) or what & _COMPLEX:
         if name:
             yield name, shape, None
         return
-    kind, numbers, _ = _element(content, at, order)
-    yield name, shape, _numbers(numbers, f"{order}{_TYPES[kind]}", shape, name)
+    found = []
+    for _ in range(3 if what & 0xFF == _SPARSE else 1):
+        kind, numbers, at = _element(content, at, order)
+        found.append(np.frombuffer(numbers, f"{order}{_TYPES[kind]}"))
+    if what & 0xFF == _SPARSE:
+        rows, starts, values = found
+        count = int(starts[-1])  # MATLAB reserves places behind the numbers
+        own = rows[:count].astype(np.int64), starts.astype(np.int64)
+        yield name, shape, Sparse(*own, values[:count].astype(np.float64))
+    else:
+        yield name, shape, _numbers(found[0], shape, name)
 
 
 def _element(data: bytes, at: int, order: str) -> tuple[int, bytes, int]:
@@ -470,8 +496,8 @@ def _element(data: bytes, at: int, order: str) -> tuple[int, bytes, int]:
     return kind, data[begin : begin + size], begin + step
 
 
-def _version_4(data: bytes) -> Iterator[tuple[str, tuple[int, ...], Array | None]]:
-    """Give name, shape and numbers of each variable of a file of version 4."""
+def _version_4(data: bytes) -> Iterator[Variable]:
+    """Give the variables of a file of version 4."""
     at = 0
     while at < len(data):
         order = "<" if struct.unpack_from("<I", data, at)[0] < 10_000 else ">"
@@ -488,14 +514,15 @@ def _version_4(data: bytes) -> Iterator[tuple[str, tuple[int, ...], Array | None
         if rest or imaginary:
             yield name, (rows, columns), None
         else:
-            yield name, (rows, columns), _numbers(data[begin:at], dtype, (rows, columns), name)
+            yield (
+                name,
+                (rows, columns),
+                _numbers(np.frombuffer(data[begin:at], dtype), (rows, columns), name),
+            )
 
 
-def _numbers(
-    content: bytes, dtype: "np.dtype[np.generic] | str", shape: tuple[int, ...], name: str
-) -> Array:
+def _numbers(found: NDArray[Any], shape: tuple[int, ...], name: str) -> Array:
     """Give the numbers of an array, as many as its shape says."""
-    found = np.frombuffer(content, dtype)
     wanted = 1
     for size in shape:
         wanted *= size

@@ -55,6 +55,10 @@ def refined(
         for x, moved in entries.get(base.name, {}).items():
             if not isinstance(x, tuple):
                 found |= {(base.name, x, direction): value for direction, value in moved.items()}
+        modes = shapes[:, [n for n, (name, _, _) in enumerate(dofs) if name == base.name]]
+        for each in base.interfaces if base.name in entries else ():
+            for direction, row in zip("uvw", each.rows, strict=True):
+                found[each.name, float(each.position[0]), direction] = modes @ row
     return np.array(list(found.values())).T, list(found)
 
 
@@ -158,7 +162,10 @@ def parts(
             yield Path(shaft.origin + _orbit(dofs, body, scaled), colour(index), 1.2)
     for index, base in enumerate(layout.bases):
         shade = colour(len(layout.shafts) + index)
-        yield from _base(layout, base, _motion(dofs, base.name, np.real(scaled)), shade)
+        if base.interfaces:
+            yield from _elastic(base, dofs, np.real(scaled), shade)
+        else:
+            yield from _base(layout, base, _motion(dofs, base.name, np.real(scaled)), shade)
     for name, position in layout.bearings:
         shaft = layout.shaft(name)
         foot = shaft.origin + np.array([position, 0.0, -shaft.outer_radius(position)])
@@ -301,6 +308,21 @@ def _base(layout: Layout, base: BaseOutline, motion: _Motion, shade: str) -> Ite
         yield Path(path, shade, 3.0, base.name if number == 0 else None, marker="s")
 
 
+def _elastic(
+    base: BaseOutline, dofs: Sequence[NodalDof], values: Array, shade: str
+) -> Iterator[Path]:
+    """Give lines from the middle of an elastic housing to its interfaces, at rest and moved."""
+    rest = np.array([each.position for each in base.interfaces])
+    moved = rest.copy()
+    for row, each in zip(moved, base.interfaces, strict=True):
+        motion = _motion(dofs, each.name, values)
+        row += [motion.along[0], motion.v[0], motion.w[0]]
+    for number, (before, after) in enumerate(zip(rest, moved, strict=True)):
+        yield Path(np.array([rest.mean(axis=0), before]), "0.6", 0.8)
+        path = np.array([moved.mean(axis=0), after])
+        yield Path(path, shade, 2.0, base.name if number == 0 else None, marker="s")
+
+
 def _orbit(dofs: Sequence[NodalDof], body: BodyOutline, scaled: Any) -> Array:
     """Give the path of the centre of a body over one cycle."""
     found = {
@@ -351,6 +373,10 @@ def overview(
                 if at:
                     own = name if line == "-" else None
                     panel.plot(places[name], shape[at[0]], "s", markersize=8.0, label=own, **style)
+                for each in layout.bases[i].interfaces:
+                    at = [n for n, (s, _, d) in enumerate(dofs) if (s, d) == (each.name, direction)]
+                    if at and each.bearing is not None:
+                        panel.plot(each.bearing, shape[at[0]], "s", markersize=6.0, **style)
             panel.set_title(title, fontsize=text_size(1.0))
             panel.set(xlabel="position [m]")
             label = "y (z dashed, open)" if places else "y (z dashed)"

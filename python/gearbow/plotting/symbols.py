@@ -122,7 +122,7 @@ def kinds(train: Train) -> list[str]:
     housings = {housing.name for housing in train.parts["housings"]}
     bases = [each.support for each in bearings if isinstance(each.support, str | Support)]
     found = list(dict.fromkeys(bearing_kind(each) for each in bearings))
-    found += ["housing"] if any(base in housings for base in bases) else []
+    found += ["housing"] if housings else []
     found += ["support"] if any(base not in housings for base in bases) else []
     return found + (["coupling"] if train.parts["couplings"] else [])
 

@@ -11,6 +11,7 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from gearbow._types import Array, ComplexArray
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.layout import BodyOutline, ShaftOutline, Step
+from gearbow.description.places import housing_and_interface
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.labels import Box, Labels, Place, around, series
@@ -20,6 +21,12 @@ from gearbow.plotting.symbols import Development, body_box, developed
 
 #: Points around a box where its label may be: above, below, right, left.
 _WAYS = ((0, 1), (0, -1), (1, 0.8), (-1, 0.8), (1, -0.8), (-1, -0.8), (1, 0), (-1, 0), (0, 0))
+
+
+def _without_interface(base: Any) -> Any:
+    """Give what a bearing stands on; the name of an elastic housing for an interface of it."""
+    seat = housing_and_interface(base)
+    return base if seat is None else seat[0]
 
 
 class SideView:
@@ -104,7 +111,7 @@ class SideView:
             housing.name: [] for housing in self.train.parts["housings"]
         }
         for part in self.train.parts["bearings"]:
-            shaft, base = self.train.layout.shaft(part.shaft), part.support
+            shaft, base = self.train.layout.shaft(part.shaft), _without_interface(part.support)
             x = float(shaft.origin[0]) + part.position
             radius = shaft.outer_radius(part.position)
             if isinstance(base, tuple):  # on the surface of the inner one of two shafts
@@ -135,9 +142,20 @@ class SideView:
         margin = 8.0 * labels.point
         left, bottom = edges[:, 0].min() - margin, edges[:, 1].min() - margin
         right = edges[:, 2].max() + margin
-        shafts = {part.shaft for part in self.train.parts["bearings"] if part.support == name}
+        bearings = self.train.parts["bearings"]
+        shafts = {part.shaft for part in bearings if _without_interface(part.support) == name}
         top = max(box[3] for shaft in shafts for box in self._own(self.train.layout.shaft(shaft)))
         top = max(top, edges[:, 3].max()) + margin
+        (base,) = (each for each in self.train.layout.bases if each.name == name)
+        others = [each for each in base.interfaces if each.bearing is None]
+        left = min([left, *(float(each.position[0]) for each in others)])
+        right = max([right, *(float(each.position[0]) for each in others)])
+        for each in others:  # the view has no height of its own for them
+            x, above = float(each.position[0]), each.position[2] > base.centre[2]
+            y, size = (top if above else bottom), 3.0 * labels.point
+            box = (x - size, y - size, x + size, y + size)
+            labels.panel.add_patch(_rectangle(box, fc="0.4", ec="black", zorder=5.0))
+            labels.add(each.name, around(_WAYS[:8], box), color="0.25")
         labels.panel.add_patch(
             Rectangle(
                 (left, bottom),

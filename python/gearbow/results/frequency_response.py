@@ -288,7 +288,7 @@ class FrequencyResponse(HarmonicResponse):
         from gearbow.exchange.harmonic import Curve  # noqa: PLC0415
 
         coordinates = self.coordinates
-        named = [*coordinates.bodies, *coordinates.points]
+        named = [*coordinates.bodies, *coordinates.points, *coordinates.seats]
         at_bodies = set(coordinates.bodies.values())
         own = [bearing for bearing in self._bearings if bearing not in at_bodies]
         curves = []

@@ -326,7 +326,8 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         Returns
         -------
         dict of {(str, str): ndarray of shape (m,)}
-            Share for each (shaft, "u" | "v" | "w" | "twist"). The rotation of a bent shaft belongs
+            Share for each (shaft, "u" | "v" | "w" | "twist"), and (housing, "modes") for an elastic
+            housing. The rotation of a bent shaft belongs
             to its translation. The shares of a mode add up to 1.
         """
         return dict(self._shares)
@@ -475,16 +476,16 @@ _AXES = {"v": "y", "w": "z", "u": "x"}
 def _name(groups: Sequence[tuple[str, str]]) -> str:
     """Write (shaft, direction) pairs as text: "input y and z, twist of output"."""
     lateral: dict[str, list[str]] = {}
-    twist, elastic = [], []
+    twist, whole = [], []
     for shaft, direction in groups:
         if direction == "twist":
             twist.append(shaft)
         elif direction == "modes":
-            elastic.append(shaft)
+            whole.append(shaft)
         else:
             lateral.setdefault(shaft, []).append(_AXES[direction])
     words = [f"{shaft} {' and '.join(directions)}" for shaft, directions in lateral.items()]
-    words += [f"modes of {part}" for part in elastic]
+    words += whole
     if twist:
         words.append(f"twist of {' and '.join(twist)}")
     return ", ".join(words)

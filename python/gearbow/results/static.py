@@ -292,7 +292,7 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
             rows.append((f"bearing {place_label((shaft, x))}", force, axial, moved[i], np.nan))
         directions = {direction for *_, direction in self.coordinates.dofs}
         if "v" in directions:
-            bodies = self.coordinates.bodies
+            bodies = [*self.coordinates.bodies, *self.coordinates.seats]
             rows += [(n, np.nan, np.nan, self.displacement(n), np.nan) for n in bodies]
         displacements = np.array([row[3] for row in rows]).reshape(-1, 2)
         thrusts = np.array([row[2] for row in rows])

@@ -4,6 +4,7 @@ import os
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
@@ -22,6 +23,7 @@ from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.peak import operating_range
 from gearbow.results.stresses import Strength
+from gearbow.system.bodies import with_bodies
 from gearbow.units.speed import (
     RevolutionsPerMinute,
     RevolutionsPerMinuteArray,
@@ -244,14 +246,14 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
                 return Scene(Model.from_toml(document), "rad/s")  # which describes the error
             except SceneError as error:
                 raise _with_remedy(error, document) from None
-        converted = without_texts(plain)
+        converted = without_texts(with_bodies(plain, Path(path)))
         with showing(plain):
             return Scene(_model(document, plain, converted), unit_in_texts(plain))
 
 
 def _model(document: str, plain: Any, converted: Any) -> Model:
     """Make the system of a document with the `plain` content, `converted` to numbers."""
-    # Without units, the errors of the core name the line. Only an escape can give a NUL.
+    # Without units and files, the errors of the core name the line. Only an escape can give a NUL.
     if converted == plain and not _NUL.search(document):
         return Model.from_toml(document)
     return Model(copied(converted, ""))

@@ -34,6 +34,7 @@ from gearbow.errors import SceneError, SceneWarning, outside
 from gearbow.results.properties import Discretisation
 from gearbow.sweeps.many import simulate_many
 from gearbow.system.bearing_life import bearing_life
+from gearbow.system.bodies import write_bodies
 from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
 from gearbow.system.frequency import frequency_response, mesh_response
@@ -364,7 +365,8 @@ class RotorSystem(CheckedKeywords, Shown):
         Raises
         ------
         SceneError
-            If the description is invalid, or the file is not TOML.
+            If the description is invalid, the file is not TOML, or the file of an elastic housing
+            that it names is missing or another one.
         OSError
             If the file cannot be opened.
         """
@@ -502,8 +504,10 @@ class RotorSystem(CheckedKeywords, Shown):
         ----------
         path : str or path-like
             The file. Its name ends with ".toml" or ".rexs". A TOML file contains the sampled points
-            of a bow that is given as a function. REXS 1.4, which `read_rexs` reads, has shafts,
-            gears, stages, bearings, couplings, masses, and constant torques and forces.
+            of a bow that is given as a function. An elastic housing is in a file of its own that
+            belongs to it, such as "scene.housing.npz" beside "scene.toml". REXS 1.4, which
+            `read_rexs` reads, has shafts, gears, stages, bearings, couplings, masses, and constant
+            torques and forces.
 
         Raises
         ------
@@ -525,7 +529,7 @@ class RotorSystem(CheckedKeywords, Shown):
 
             write_rexs(self.description, layout_of(self), path)
             return
-        text = self._model.to_toml()
+        text = write_bodies(self.housings, self._model.to_toml(), path)
         with replacing(path) as file:
             file.write(text.encode())
 

@@ -54,20 +54,24 @@ def magnitude(quantity: Any, path: str) -> Any:
         raise SceneError(f"{path}: must {wanted}, got {quantity}") from None
 
 
-def without_texts(plain: Any, path: str = "") -> Any:
+def without_texts(plain: Mapping[str, Any]) -> dict[str, Any]:
     """Convert texts with a unit in a plain description, such as "500 mm", to SI units."""
+    listed = plain.get("housings")
+    parts = listed if isinstance(listed, list | tuple) else ()
+    names = [each.get("name") for each in parts if isinstance(each, Mapping)]
+    return {key: _without_texts(value, str(key), names) for key, value in plain.items()}
+
+
+def _without_texts(plain: Any, path: str, housings: list[Any]) -> Any:
+    """Convert the texts in an entry; the second one of (housing, interface) is a name."""
     if isinstance(plain, Mapping):
-        inner = {key: f"{path}.{key}" if path else str(key) for key in plain}
-        return {key: without_texts(value, inner[key]) for key, value in plain.items()}
+        return {key: _without_texts(item, f"{path}.{key}", housings) for key, item in plain.items()}
     if isinstance(plain, list | tuple):
-        return [without_texts(value, f"{path}[{i}]") for i, value in enumerate(plain)]
-    if isinstance(plain, str) and unit_of(path) not in (None, "1") and not _is_name(plain, path):
+        if path.endswith(".support") and plain and plain[0] in housings:
+            return list(plain)
+        return [_without_texts(item, f"{path}[{i}]", housings) for i, item in enumerate(plain)]
+    if isinstance(plain, str) and unit_of(path) not in (None, "1"):
         from gearbow.units.parse import parsed  # noqa: PLC0415  # most descriptions have no texts
 
         return parsed(plain, path)
     return plain
-
-
-def _is_name(given: str, path: str) -> bool:
-    """Return whether a text is the name of an interface, in (housing, interface), and no number."""
-    return path.endswith("support[1]") and given[:1] not in set("+-.0123456789")

@@ -159,6 +159,45 @@ def text(content: str) -> Callable[[Path], None]:
     return lambda path: path.write_text(content) and None
 
 
+def matrices(path: Path) -> None:
+    """Write the mass and stiffness of a chain of masses."""
+    given = {"M": np.diag([5.0, 4.0, 3.0]), "K": 1e6 * (3.0 * np.eye(3) - np.eye(3, k=1).T)}
+    given["K"] = given["K"] + given["K"].T
+    if path.suffix == ".npz":
+        np.savez(path, **given)
+    elif path.suffix == ".npy":
+        np.save(path, given["K"])
+    elif path.suffix == ".mtx":
+        lines = [f"{i + 1} {j + 1} {given['K'][i, j]:.9e}" for i in range(3) for j in range(i + 1)]
+        head = "%%MatrixMarket matrix coordinate real symmetric\n% chain\n3 3 6\n"
+        path.write_text(head + "\n".join(lines))
+    elif path.suffix == ".pch":
+        lines = ["DMIG,K,0,6,2,2"]
+        for j in range(3):
+            lines.append(f"DMIG,K,{j + 1},3,,{j + 1},3,{given['K'][j, j]:.9e}")
+        path.write_text("\n".join(lines))
+    else:
+        from scipy import io, sparse
+
+        io.savemat(path, {name: sparse.csc_matrix(matrix) for name, matrix in given.items()})
+
+
+def sparse_matrix(path: Path) -> None:
+    from scipy import sparse
+
+    sparse.save_npz(path, sparse.csc_matrix(3e6 * np.eye(3)))
+
+
+def housing(path: Path) -> gb.Housing:
+    return gb.Housing.from_matrices(
+        "housing",
+        mass=np.eye(3),
+        stiffness=path,
+        interfaces={"seat": gb.Interface((0.0, 0.0, 0.0), rows=[0, 1, 2])},
+        highest_frequency=1e3,
+    )
+
+
 #: Each kind of file: how it is written, and how it is read.
 KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
     "scene.toml": (lambda path: rotor().save(path), gb.RotorSystem.load),
@@ -184,6 +223,12 @@ KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
     ),
     "rotor.toml": (ross, gb.RotorSystem.from_ross),
     "rotor.json": (ross, gb.RotorSystem.from_ross),
+    "matrices.npz": (matrices, housing),
+    "sparse.npz": (sparse_matrix, housing),
+    "matrix.npy": (matrices, housing),
+    "matrices.mat": (matrices, housing),
+    "matrix.mtx": (matrices, housing),
+    "matrix.pch": (matrices, housing),
     "gearbox.rexs": (rexs, gb.rexs_contents),
     "gearbox.rexsj": (rexs, gb.rexs_contents),
     "gearbox.rexsz": (rexs, gb.rexs_contents),
@@ -192,13 +237,15 @@ KINDS: dict[str, tuple[Callable[[Path], Any], Callable[[Path], Any]]] = {
 #: it reads is above. Those of the command line, of locks and of checks before reading are not here.
 READERS = {
     "_files.reading",
+    "exchange.matrices._from_numpy",
     "exchange.tables._decoded",
     "exchange.tables._from_excel",
-    "exchange.tables.read_vectors",
+    "exchange.tables.read_variables",
     "exchange.rexs_file._read",
     "exchange.universal.data_sets",
     "recording.container.opened",
     "sweeps.store.read",
+    "system.bodies._with_body",  # its digest refuses damage before it is parsed
 }
 
 
@@ -278,8 +325,10 @@ print(dict(read_damaged(name, pathlib.Path(folder), int(count), int(seed))))
 @pytest.mark.parametrize("name", KINDS)
 def test_every_damaged_file_is_read_or_refused(tmp_path: Path, name: str):
     """A process of its own: a crash of a library is a failure of this test, not its end."""
-    for module in {".xlsx": ("openpyxl",), ".mat": ("scipy",)}.get(Path(name).suffix, ()):
-        pytest.importorskip(module)
+    if Path(name).suffix == ".xlsx":
+        pytest.importorskip("openpyxl")
+    if Path(name).suffix == ".mat" or KINDS[name][1] is housing:
+        pytest.importorskip("scipy")
     if name.startswith("rotor.") and not ROSS.exists():
         pytest.skip("the examples are not installed")
     # `make fuzz` reads new files in each call.

@@ -14,6 +14,7 @@ OUTBUILDINGS = ("exchange", "identification", "report", "studies")
 DOORS = {
     "__init__.py": {"exchange", "identification", "studies"},  # names imported at first use
     "description/bow.py": {"exchange"},  # Bow of a table in a file
+    "description/elastic.py": {"exchange"},  # matrices of files
     "description/speed.py": {"exchange"},  # SpeedTable of a table in a file
     "results/frequency_response.py": {"exchange"},  # save, tables, and compare with a file
     "results/modes.py": {"exchange"},  # save, and compare with a file
