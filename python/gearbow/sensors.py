@@ -460,7 +460,7 @@ class StrainGauge(SignalSensor):
     --------
     >>> import gearbow as gb
     >>> gb.StrainGauge(("input", 0.1), "bending").label
-    'strain gauge (input, 0.1 m) bending, 0°'
+    'strain gauge input at 0.1 m bending, 0°'
     """
 
     at: At

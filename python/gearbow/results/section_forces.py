@@ -56,7 +56,8 @@ class SectionForces(Figured, ReadOnly):
     A weight of 100 N in the middle of a light shaft, M = F l/4:
 
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.02, density=1.0)
+    >>> light = gb.Material(207e9, 1.0, poisson_ratio=0.3)
+    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.02, material=light)
     >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
     >>> force = gb.Force(("rotor", 0.5), (0.0, -100.0))
     >>> static = gb.RotorSystem([rotor], bearings=bearings, forces=[force]).static()
