@@ -333,7 +333,7 @@ def section_forces(run: RunRecord, at: Any) -> tuple[list[Section], Array]:
     known = run.data["sections"]
     own = [i for i, (name, x, _) in enumerate(known) if name == shaft and position in {None, x}]
     if not own:
-        raise run.missing(f"the section forces at {at!r}", "section_forces")
+        raise run.missing(f"a section force at {at!r}", "section_forces")
     own.sort(key=lambda i: (known[i][1], known[i][2] == "beyond"))
     values = np.concatenate([run.data["section_force"], run.data["section_moment"]], axis=-1)
     return [known[i] for i in own], values[:, own]

@@ -244,7 +244,7 @@ class RunRecord(Shown):
     def recorded_shafts(self) -> list[str]:
         """Shafts with recorded section forces."""
         if not self.data["sections"]:
-            raise self.missing("the section forces", "section_forces")
+            raise self.missing("a section force", "section_forces")
         return list(dict.fromkeys(shaft for shaft, *_ in self.data["sections"]))
 
     def missing(self, what: str, record: Record) -> ChannelError:

@@ -54,7 +54,9 @@ def recorded(rows: int = 5, energy: bool = True) -> gb.Response:
             "bearings": [("output", 0.3), ("input", 0.0)],
             "bearing_force": numbers.standard_normal((rows, 2, 2)),
             "rolling_bearings": [],
-            "sections": [],
+            "sections": [("input", 0.1, "before"), ("input", 0.1, "beyond")],
+            "section_force": np.random.default_rng(8).standard_normal((rows, 2, 3)),
+            "section_moment": np.random.default_rng(9).standard_normal((rows, 2, 3)),
             "rolling_contact": np.empty((rows, 0, 2)),
             "meshes": [("g4", "g5"), ("g1", "g2")],
             "mesh": {name: numbers.standard_normal((rows, 2)) for name in FIELDS},
@@ -378,7 +380,7 @@ def test_tables_have_units_in_their_columns():
     response = recorded()
     table = response.to_dataframe()
     assert table.index.name == "time [s]"
-    assert table.shape == (5, 3 * 3 + 2 * len(FIELDS) + 2 * 2 + 1 + len(TERMS))
+    assert table.shape == (5, 3 * 3 + 2 * len(FIELDS) + 2 * 2 + 2 * 6 + 1 + len(TERMS))
     np.testing.assert_array_equal(table["g2 z [m]"], response.displacement("g2")[:, 1])
     np.testing.assert_array_equal(table["input@0.1 twist [rad]"], response.twist(("input", 0.1)))
     np.testing.assert_array_equal(
