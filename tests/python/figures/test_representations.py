@@ -103,6 +103,11 @@ def objects() -> dict[str, object]:
         gb.Housing(
             "h", mass=1.0, stiffness=1e8, points={f"p{i}": (0.0, 0.0, 0.0) for i in range(300)}
         ),
+        gb.Interface((0.1, 0.2, 0.3), [MANY, MANY, MANY]),
+        gb.Notch("s", 0.5, bending=1.5),
+        gb.StrainGauge(("s", 0.5), "bending"),
+        pair.static(20.0).section_forces("shaft 0"),
+        system.stresses(20.0),
         gb.Coupling(("a", 0.0), ("b", 0.0), torsional_stiffness=4.0),
         gb.Drive("g", 1e5),
         gb.Force("g", gb.TimeSeries(MANY, MANY)),
