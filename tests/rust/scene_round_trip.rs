@@ -3,8 +3,8 @@
 use gearbow::model::Model;
 use gearbow::scene::description::{
     Bearing, BearingCoefficient, Bow, BowShape, Coefficient, Complex, Disk, Drive, Force, ForceValue, FrictionTable,
-    Gear, Gravity, Material, Mesh, MeshFriction, Outside, Place, Segment, Shaft, SpeedTable, Stiffness, TableValue,
-    Torque, TorqueValue,
+    Gear, Gravity, Material, Mesh, MeshFriction, Notch, Outside, Place, Segment, Shaft, SpeedTable, Stiffness,
+    TableValue, Torque, TorqueValue,
 };
 use gearbow::scene::{Scene, SceneDescription};
 use proptest::prelude::*;
@@ -204,6 +204,8 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 transition: Some(0.2),
                 ..FrictionTable::default()
             });
+            let (shaft, length) = on(false);
+            let notch = Notch { shaft, position: 0.5 * length, bending: Some(1.5), torsion: vector.then_some(1.25) };
             SceneDescription {
                 accuracy: None,
                 reference: named.then(|| "two".to_owned()),
@@ -235,6 +237,7 @@ fn systems() -> impl Strategy<Value = SceneDescription> {
                 bearings: places.into_iter().map(bearing).collect(),
                 supports: Vec::new(),
                 housings: Vec::new(),
+                notches: named.then_some(notch).into_iter().collect(),
                 couplings: Vec::new(),
                 drives: vec![Drive { at: Place::Body("b".to_owned()), stiffness, damping: given(0) }],
                 forces: vec![Force {
