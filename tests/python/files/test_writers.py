@@ -14,6 +14,7 @@ import pytest
 import gearbow as gb
 from gearbow._files import printable
 from gearbow.exchange.universal import Function, Quantity, function_lines, write
+from reference.elastic import system as housed
 from reference.processes import printed
 from test_damaged_files import (
     HISTORIES,
@@ -101,6 +102,7 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     },
     "studies.dataset.dataset": {"set.nc": data_set},
     "system.rotor_system.save": {"rotor.toml": lambda path: rotor().save(path)},
+    "system.bodies.write_bodies": {"housed.toml": lambda path: housed("housing").save(path)},
     "report.page.write": {"page.html": lambda path: rotor().report(path, modes=2)},
     "results.run_figures.animate": {"run.gif": animation},
     "cli.main.save_figure": {"modes.svg": drawing, "modes.png": drawing},

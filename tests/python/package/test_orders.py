@@ -13,6 +13,7 @@ from gearbow.description.layout import Order
 from gearbow.orders import Kinematics, spectrum
 from gearbow.orders.separation import cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
+from gearbow.recording.record import SECTION_FORCES
 from gearbow.system import response_sensitivity
 from reference.machines import bowed_pair, hostile, inertia, rotor
 from test_response import recorded
@@ -486,6 +487,6 @@ def test_the_order_of_a_force_is_among_the_orders(tmp_path):
 
 def test_quantities_of_signatures_are_those_that_runs_record():
     # an editor offers the words of the type, and the table decides which of them a place has
-    known = {"energy", *spectrum._MOTION, *spectrum._MESH, *spectrum._BEARING}
+    known = {"energy", *spectrum._MOTION, *spectrum._MESH, *spectrum._BEARING, *SECTION_FORCES}
     assert set(get_args(SignalQuantity)) == known
     assert set(get_args(SensitivityQuantity)) == set(response_sensitivity.QUANTITIES)
