@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
     from gearbow.results.static import Static
 
+#: Size of a force that is round-off, relative to the largest equivalent load.
+_ROUND_OFF = 1e-9
+
 
 @dataclass(frozen=True)
 class RatedBearing(Shown):
@@ -223,10 +226,11 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
         def values(name: str) -> Array:
             return np.array([getattr(one, name) for one in rows])
 
+        least = _ROUND_OFF * float(np.nan_to_num(values("equivalent_load")).max(initial=0.0))
         forces = [
-            Column(f"{name} force", values(f"{name}_force"), "N")
+            Column(f"{name} force", values(f"{name}_force"), "N", round_off=least)
             for name in ("radial", "axial")
-            if np.nan_to_num(values(f"{name}_force")).any()
+            if (np.abs(np.nan_to_num(values(f"{name}_force"))) > least).any()
         ]
         modified = [Column("modified life", values("modified_hours"), "h")]
         return [
