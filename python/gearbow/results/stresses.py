@@ -351,6 +351,7 @@ def recorded_stresses(
             "returned or that save wrote"
         )
     description = run.request.description
+    wanted = Strength.of([shaft["name"] for shaft in description["shafts"]], **strength)
     shafts = run.recorded_shafts
     given = description.get("notches", ()) if notches is None else ()
     marked = [Notch._from_description(one) for one in given] if notches is None else notches
@@ -365,7 +366,7 @@ def recorded_stresses(
             (section, known[section], of_series(forces[begin:, k], angle, known[section]))
             for k, section in enumerate(sections)
         ]
-    return collect(found, marked, Strength.of(shafts, **strength), ())
+    return collect(found, marked, wanted, ())
 
 
 def collect(

@@ -12,7 +12,6 @@ from gearbow.description.loads import Torque
 from gearbow.description.places import place_label
 from gearbow.errors import SceneError
 from gearbow.results.bearing_life import BearingLife, SpectrumCase, over_spectrum
-from gearbow.units.parse import parsed
 
 #: Largest difference of the sum of the shares of a spectrum from 1: three rounded thirds.
 _ROUNDED_SHARES = 1e-3
@@ -127,7 +126,11 @@ def _cases(given: Sequence[Sequence[Any]]) -> list[tuple[float, float, float]]:
 
 def _value(given: Any, path: str) -> float:
     """Read a number, or a text with a unit."""
-    return number(parsed(given, path) if isinstance(given, str) else given, path)
+    if isinstance(given, str):
+        from gearbow.units.parse import parsed  # noqa: PLC0415  # most spectra have no texts
+
+        given = parsed(given, path)
+    return number(given, path)
 
 
 def _driving_torque(system: System) -> int:

@@ -3,7 +3,6 @@
 The scene names the file and the SHA-256 digest of its bytes.
 """
 
-import hashlib
 import re
 from io import BytesIO
 from pathlib import Path
@@ -35,8 +34,7 @@ def write_bodies(housings: tuple[Housing, ...], scene: str, path: Path) -> str:
             data = _packed(bodies[number - 1])
             with replacing(file) as opened:
                 opened.write(data)
-            digest = hashlib.sha256(data).hexdigest()
-            found.append(f'{_BODY}\nfile = "{file.name}"\ndigest = "sha256:{digest}"\n\n')
+            found.append(f'{_BODY}\nfile = "{file.name}"\ndigest = "{_digest(data)}"\n\n')
         elif not section.startswith(_PART_OF_BODY):
             found.append(section)
     return "".join(found)
@@ -74,7 +72,7 @@ def _with_body(housing: Any, where: str, scene: Path) -> Any:
             f"{where}.file: {file} cannot be read: {error.strerror}; a scene needs this file "
             "beside it; copy both, or save the system again"
         ) from None
-    found = f"sha256:{hashlib.sha256(data).hexdigest()}"
+    found = _digest(data)
     if found != digest:
         raise SceneError(
             f"{where}.digest: {file} has the digest {found}, not {digest}: it is damaged or "
@@ -82,6 +80,13 @@ def _with_body(housing: Any, where: str, scene: Path) -> Any:
         )
     with parsing(file, "an elastic body of gearbow", own=True):
         return {**housing, "elastic": _unpacked(data)._describe(where)}
+
+
+def _digest(data: bytes) -> str:
+    """Give the digest that a scene has of the file of a body."""
+    import hashlib  # noqa: PLC0415  # most scenes have no elastic body
+
+    return f"sha256:{hashlib.sha256(data).hexdigest()}"
 
 
 def _packed(body: ElasticBody) -> bytes:

@@ -186,14 +186,16 @@ def report(
     given = {
         "company": company,
         "author": author,
-        "document number": document_number,
+        "document_number": document_number,
         "date": date,
     }
     with extra("report"):
         import jinja2  # noqa: F401, PLC0415
         import matplotlib as mpl  # noqa: F401, PLC0415
         import plotly  # noqa: F401, PLC0415
-    imprint = tuple((key, text(each, key)) for key, each in given.items() if each is not None)
+    imprint = tuple(
+        (key.replace("_", " "), text(each, key)) for key, each in given.items() if each is not None
+    )
     from gearbow.report.compose import compose  # noqa: PLC0415
     from gearbow.report.shared import Options, table_range  # noqa: PLC0415
 
