@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import array, number, positive, shown, text
+from gearbow._convert import array, matrix as nested_array, number, positive, shown, text
 from gearbow._extras import extra
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze, tuples
@@ -159,7 +159,8 @@ class Matrices:
         found = {}
         for name, one in (("mass", mass), ("stiffness", stiffness)):
             given = _from_file(one, name) if isinstance(one, str | os.PathLike) else one
-            matrix = given if sparse.issparse(given) else np.asarray(given, dtype=np.float64)
+            is_array = isinstance(given, np.ndarray) and given.dtype.kind in "fiu"
+            matrix = given if sparse.issparse(given) or is_array else nested_array(given, name)
             if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
                 raise SceneError(f"{name}: must be a square matrix, got the shape {matrix.shape}")
             csc = sparse.csc_matrix(matrix, dtype=np.float64)
@@ -190,7 +191,7 @@ def _from_file(path: str | os.PathLike[str], name: str) -> Any:
 
 def reduced(
     matrices: Matrices,
-    interfaces: Mapping[str, Interface],
+    interfaces: Any,
     *,
     highest_frequency: float,
     damping_ratio: float,
@@ -198,7 +199,7 @@ def reduced(
     """Reduce a model to modes; give the body and its mass [kg], 1 of a clamped one."""
     limit = 2.0 * np.pi * positive(highest_frequency, "highest_frequency") * _REACH
     ratio = number(damping_ratio, "damping_ratio")
-    if not interfaces:
+    if not isinstance(interfaces, Mapping) or not interfaces:
         raise SceneError(f"interfaces: must be a dict of gb.Interface, got {shown(interfaces)}")
     size = matrices.mass.shape[0]
     rows = {}

@@ -234,6 +234,7 @@ class Housing(Part):
         >>> print(f"{housing.elastic.frequencies[0]:.1f} rad/s")
         447.2 rad/s
         """
+        name = text(name, "name")
         body, total = reduced(
             Matrices.of(mass, stiffness),
             interfaces,

@@ -308,6 +308,16 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "ThermalBow": (gb.ThermalBow, THERMAL),
     "Support": (with_part("Support"), {"name": "s", "mass": 1.0, "stiffness": 1e8}),
     "Housing": (with_part("Housing"), {"name": "h", "mass": 1.0, "stiffness": 1e8}),
+    "Housing.from_matrices": (
+        gb.Housing.from_matrices,
+        {
+            "name": "h",
+            "mass": np.eye(3),
+            "stiffness": 1e8 * np.eye(3),
+            "interfaces": {"seat": gb.Interface((0.0, 0.0, 0.0), [0, 1, 2])},
+            "highest_frequency": 1e4,
+        },
+    ),
     "Coupling": (
         with_part("Coupling"),
         {
