@@ -16,7 +16,7 @@ from gearbow._files import check_name, parsing, reading
 from gearbow.errors import SceneError
 from gearbow.exchange.tables import Sparse, read_variables
 
-#: Endings of files with matrices; the last three are texts of Nastran with DMIG entries.
+#: File name endings of matrices; the last three are Nastran text files with DMIG entries.
 ENDINGS = (".npz", ".npy", ".mat", ".mtx", ".pch", ".bdf", ".dat")
 #: First letters of the names of matrices, by what they are.
 _LETTERS = {"mass": "m", "stiffness": "ks"}

@@ -405,7 +405,7 @@ _SPARSE, _NUMERIC = 5, range(6, 16)
 _COMPLEX = 0x0800
 #: Types of numbers in version 4.
 _TYPES_4 = ("f8", "f4", "i4", "i2", "u2", "u1")
-#: Name, shape and numbers of a variable; None for other variables than real numbers.
+#: Name, shape and numbers of a variable; the numbers are None unless they are real.
 Variable: TypeAlias = "tuple[str, tuple[int, ...], Array | Sparse | None]"
 
 
@@ -431,7 +431,7 @@ def read_vectors(path: Path) -> dict[str, Array]:
 
 
 def read_variables(path: Path) -> list[Variable]:
-    """Read name, shape and numbers of each variable; None for other variables than real numbers."""
+    """Read name, shape and numbers of each variable; the numbers are None unless they are real."""
     data = path.read_bytes()
     with parsing(path, "a MATLAB file of a version before 7.3"):
         if data[:8] == b"\x89HDF\r\n\x1a\n" or data[:10] == b"MATLAB 7.3":

@@ -22,7 +22,14 @@ from gearbow.recording.record import recorded_run
 from gearbow.report import api617
 from gearbow.report.page import Block, Note, Picture, Table, parts_tables, picture
 from gearbow.report.resonances import resonances
-from gearbow.report.shared import SHOWN_REVOLUTIONS, Contents, Make, reason_of
+from gearbow.report.shared import (
+    SHOWN_REVOLUTIONS,
+    UNDAMPED,
+    Contents,
+    Make,
+    reason_of,
+    resonances_of,
+)
 from gearbow.report.strength import strength
 from gearbow.report.texts import say, word
 from gearbow.report.vibration import vibration
@@ -33,8 +40,6 @@ from gearbow.results.peak import Peak, marks
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.units.speed import speed_factor
 
-#: Damping ratio, without its sign, of a mode that neither grows nor decays.
-_GROWTH = 1e-6
 #: Damping ratio from which a mode is no resonance, and number of critical speeds of the summary.
 _OVERDAMPED, _NAMED = 0.7, 6
 #: Number of modes of the overview, and of those in three dimensions.
@@ -210,18 +215,7 @@ def criticals(contents: Contents) -> Iterator[Block]:
     found = contents.campbell.criticals
     span = None if operating is None else (abs(operating[0]), abs(operating[1]))
     if found:
-        # The half-power points of a mode of damping ratio ζ are at N (1 ± ζ).
-        peaks = [
-            Peak(
-                one.speed,
-                math.nan,
-                one.speed * (1.0 - one.damping_ratio),
-                one.speed * (1.0 + one.damping_ratio),
-                span,
-                one.damping_ratio > -_GROWTH,
-            )
-            for one in found
-        ]
+        peaks = resonances_of(found, span)
         yield Table.of(
             say("Critical speeds of the Campbell diagram, with the amplification factor 1/(2ζ)"),
             [
@@ -348,7 +342,7 @@ def stability(contents: Contents) -> Iterator[Block]:
         [
             Column("mode", np.array(order) + 1),
             Column("frequency", found.frequencies_hz[order], "Hz", ".3f"),
-            Column("decrement", decrement[order], "", ".4g", None, 2.0 * math.pi * _GROWTH),
+            Column("decrement", decrement[order], "", ".4g", None, 2.0 * math.pi * UNDAMPED),
             Column("whirl", [found.whirl[i] for i in order]),
             Column("largest motion", [names[i] for i in order]),
         ],
@@ -357,10 +351,10 @@ def stability(contents: Contents) -> Iterator[Block]:
     growing = [
         i
         for i in range(len(ratio))
-        if found.eigenvalues[i].real > _GROWTH * abs(found.eigenvalues[i])
+        if found.eigenvalues[i].real > UNDAMPED * abs(found.eigenvalues[i])
     ]
     state = say("unstable") if growing else say("stable")
-    free = [i + 1 for i in order if abs(ratio[i]) <= _GROWTH]
+    free = [i + 1 for i in order if abs(ratio[i]) <= UNDAMPED]
     contents.find(
         say("The linear motion {where} is {state}.", where=where, state=state),
         warning=bool(growing),

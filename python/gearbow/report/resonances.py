@@ -9,13 +9,9 @@ import numpy as np
 from gearbow._result import Column, in_percent
 from gearbow.errors import GearbowError
 from gearbow.report.page import Block, Note, Table
-from gearbow.report.shared import ABOVE, BELOW, Contents
+from gearbow.report.shared import ABOVE, BELOW, UNDAMPED, Contents, resonances_of
 from gearbow.report.texts import say, word
 from gearbow.results.campbell import Intersection
-from gearbow.results.peak import Peak
-
-#: Damping ratio, without its sign, of a mode whose resonance has no finite amplitude.
-_UNDAMPED = 1e-6
 
 
 def resonances(contents: Contents) -> Iterator[Block]:
@@ -58,17 +54,7 @@ def resonances(contents: Contents) -> Iterator[Block]:
         )
         yield Note(say("No order of shafts or teeth meets a mode in this range of speeds."))
         return
-    peaks = [
-        Peak(
-            one.speed,
-            math.nan,
-            one.speed * (1.0 - one.damping_ratio),
-            one.speed * (1.0 + one.damping_ratio),
-            span,
-            one.damping_ratio > -_UNDAMPED,
-        )
-        for one in near
-    ]
+    peaks = resonances_of(near, span)
     numbers = contents.numbers(found)
     distance = np.array([_distance(one.speed, span) for one in near])
     columns = [
@@ -129,7 +115,7 @@ def _responses(contents: Contents, near: tuple[Intersection, ...]) -> list[str]:
     written = []
     for one in near:
         value = math.nan
-        if abs(one.damping_ratio) > _UNDAMPED:
+        if abs(one.damping_ratio) > UNDAMPED:
             try:
                 value = _response(contents.system, one)
             except GearbowError:  # the system has no such motion

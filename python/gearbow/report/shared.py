@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -21,8 +21,9 @@ from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
 from gearbow.report.page import Block, Note, Section
 from gearbow.report.texts import say, word
-from gearbow.results.campbell import Campbell
+from gearbow.results.campbell import Campbell, Intersection
 from gearbow.results.modes import Modes
+from gearbow.results.peak import Peak
 from gearbow.results.response import Response
 from gearbow.results.static import Static
 from gearbow.results.steady import SteadyState
@@ -39,6 +40,9 @@ _MOST_MODES = 64
 BELOW, ABOVE = 0.83, 1.27
 #: Folder of the library that draws, whose warnings concern figures and no result.
 _DRAWING = str(Path(mpl.__file__).parent)
+#: Damping ratio, without its sign, of a mode that neither grows nor decays: its resonance has no
+#: finite amplitude.
+UNDAMPED = 1e-6
 #: Damping ratio below which a mode has none but round-off.
 _NO_DAMPING = 1e-9
 #: Lines of many points keep those that are half a point of the page away from the others.
@@ -299,6 +303,22 @@ class Contents:
             self.warned.append((title, text))
             section.blocks.append(Note(say("Warning: {text}", text=text), warning=True))
         return section
+
+
+def resonances_of(found: Iterable[Intersection], span: tuple[float, float] | None) -> list[Peak]:
+    """Give the resonances at intersections of modes with lines of excitation."""
+    # The half-power points of a mode of damping ratio ζ are at N (1 ± ζ).
+    return [
+        Peak(
+            one.speed,
+            math.nan,
+            one.speed * (1.0 - one.damping_ratio),
+            one.speed * (1.0 + one.damping_ratio),
+            span,
+            one.damping_ratio > -UNDAMPED,
+        )
+        for one in found
+    ]
 
 
 def reason_of(error: Exception) -> str:

@@ -125,7 +125,7 @@ class LoadedMotion(Motion[V, S]):
             A gear or disk by name, (shaft, position [m]), or the name of a shaft for all its nodes.
         side : {"before", "beyond"}
             Side of a node, where forces jump by what acts there: just before it or just beyond it.
-            At an end of the shaft, the side on which the shaft is.
+            At an end of the shaft there is one section, and this choice has no effect.
 
         Returns
         -------

@@ -134,7 +134,7 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
     bearings : tuple of RatedBearing
         The bearings, in the order of the system; those without a dynamic rating are left out.
     cases : tuple of SpectrumCase
-        The rows of the load spectrum; one without a spectrum.
+        The rows of the load spectrum; without a spectrum, the one operating point.
     factor : float
         Given factor of the modified life.
     reliability : float
