@@ -40,6 +40,10 @@ class Written:
     name: str | None = None
 
 
+#: Size below which numbers of a table are round-off, relative to the largest.
+ROUND_OFF = 1e-9
+
+
 @dataclass(frozen=True, eq=False)
 class Column:
     """A column of a table: a quantity in SI units, or words, with one value for each row."""

@@ -125,17 +125,12 @@ class ElasticBody(Part):
     def _from_description(cls, description: Mapping[str, Plain]) -> "ElasticBody":
         given = dict(description)
         given["interfaces"] = {
-            name: {key: _tuples(value) for key, value in own.items()}
+            name: {key: tuples(value) for key, value in own.items()}
             for name, own in description["interfaces"].items()
         }
         for name in ("frequencies", "damping_ratios", "translation"):
-            given[name] = _tuples(description.get(name))
+            given[name] = tuples(description.get(name))
         return cls(**given)
-
-
-def _tuples(value: Any) -> Any:
-    """Convert nested sequences to tuples; the core gives sequences of a fixed length as tuples."""
-    return tuple(_tuples(item) for item in value) if isinstance(value, list | tuple) else value
 
 
 def _lists(value: Any) -> Plain:

@@ -5,7 +5,7 @@
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,6 @@ from gearbow._files import check_name, parsing, reading
 from gearbow.errors import SceneError
 from gearbow.exchange.tables import Sparse, read_variables
 
-#: File name endings of matrices; the last three are Nastran text files with DMIG entries.
-ENDINGS = (".npz", ".npy", ".mat", ".mtx", ".pch", ".bdf", ".dat")
 #: First letters of the names of matrices, by what they are.
 _LETTERS = {"mass": "m", "stiffness": "ks"}
 #: A real number of Nastran, whose exponent may have the letter D, or none.
@@ -28,16 +26,11 @@ _FORMS, _REAL_TYPES = {"1", "6"}, {"1", "2"}
 
 def read_matrix(path: Any, quantity: str) -> Any:
     """Read the mass or stiffness matrix of a file: the only one, or the one with such a name."""
-    file, ending = check_name(path, ENDINGS, quantity)
+    file, ending = check_name(path, list(_READERS), quantity)
     with extra("sparse"):
         import scipy.sparse  # noqa: F401, PLC0415
 
-    if ending == ".mat":
-        found = _from_matlab(file)
-    elif ending in (".npz", ".npy", ".mtx"):
-        found = _from_numpy(file) if ending != ".mtx" else _from_matrix_market(file)
-    else:
-        found = _from_nastran(file)
+    found = _READERS[ending](file)
     letters = _LETTERS[quantity]
     suited = [name for name in found if len(found) == 1 or name[:1].lower() in letters]
     if len(suited) != 1:
@@ -187,3 +180,13 @@ def _real(text: str) -> float:
     if found is None:
         raise ValueError(f"{text!r} is no number")
     return float(f"{found[1]}e{found[2] or 0}")
+
+
+#: Readers of matrices, by the ending of the file name.
+_READERS: dict[str, Callable[[Path], dict[str, Any]]] = {
+    ".npz": _from_numpy,
+    ".npy": _from_numpy,
+    ".mat": _from_matlab,
+    ".mtx": _from_matrix_market,
+    **dict.fromkeys((".pch", ".bdf", ".dat"), _from_nastran),
+}

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gearbow._result import Column, Written
+from gearbow._result import ROUND_OFF, Column, Written
 from gearbow.report.page import Block, Note, Table, picture
 from gearbow.report.shared import Contents
 from gearbow.report.texts import say, word
 
-#: How tables write stresses, and the size of one that is round-off, relative to the largest.
-_MPA, _ROUND_OFF = Written("MPa", 1e-6), 1e-9
+#: How tables write stresses.
+_MPA = Written("MPa", 1e-6)
 
 
 def strength(contents: Contents) -> Iterator[Block]:
@@ -28,7 +28,7 @@ def strength(contents: Contents) -> Iterator[Block]:
         max((i for i, own in enumerate(shafts) if own == name), key=lambda i: measure[i])
         for name in dict.fromkeys(shafts)
     ]
-    least = _ROUND_OFF * float(found.amplitude.max(initial=0.0))
+    least = ROUND_OFF * float(found.amplitude.max(initial=0.0))
     pairs = {"bending": found.bending, "axial": found.axial, "torsion": found.torsion}
     stresses = {
         f"{name} {kind}": values[:, k]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gearbow._result import Column
+from gearbow._result import ROUND_OFF, Column
 from gearbow.errors import AccuracyWarning, GearbowError
 from gearbow.report.page import Block, Table
 from gearbow.report.shared import Contents
@@ -39,10 +39,11 @@ def vibration(contents: Contents) -> Iterator[Block]:
             order = _largest_order(run, name, axis) if largest else ""
             rows.append((f"{name} {axis}", float(np.abs(values).max()), rms, order))
     names, peaks, effective, largest_orders = zip(*rows, strict=True)
+    least = ROUND_OFF * max(peaks)
     columns = [
         Column("place", names),
-        Column("peak", np.array(peaks), "m/s²", round_off=1e-9 * max(peaks)),
-        Column("RMS", np.array(effective), "m/s²", round_off=1e-9 * max(peaks)),
+        Column("peak", np.array(peaks), "m/s²", round_off=least),
+        Column("RMS", np.array(effective), "m/s²", round_off=least),
         *([Column("largest order", largest_orders)] if any(largest_orders) else []),
     ]
     title = say("Accelerations at the sensors of the housings")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._convert import positive
-from gearbow._result import Column, Figured, WithSpeeds
+from gearbow._result import ROUND_OFF, Column, Figured, WithSpeeds
 from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array
 from gearbow.description.journal import JournalBearing
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gearbow.results.static import Static
-
-#: Size of a force that is round-off, relative to the largest equivalent load.
-_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -226,7 +223,7 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
         def values(name: str) -> Array:
             return np.array([getattr(one, name) for one in rows])
 
-        least = _ROUND_OFF * float(np.nan_to_num(values("equivalent_load")).max(initial=0.0))
+        least = ROUND_OFF * float(np.nan_to_num(values("equivalent_load")).max(initial=0.0))
         forces = [
             Column(f"{name} force", values(f"{name}_force"), "N", round_off=least)
             for name in ("radial", "axial")

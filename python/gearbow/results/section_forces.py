@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearbow._core import Model
-from gearbow._result import Column, Figured
+from gearbow._result import ROUND_OFF, Column, Figured
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray, Section, Side
 from gearbow.description.coordinates import Coordinates
@@ -122,7 +122,7 @@ class SectionForces(Figured, ReadOnly):
         found = np.where(-low > high, low, high)
         if np.iscomplexobj(self.values):
             found = high
-        least = 1e-9 * np.abs(found).max(axis=0, initial=0.0)
+        least = ROUND_OFF * np.abs(found).max(axis=0, initial=0.0)
         return [
             Column("position", self.positions, "m"),
             Column("side", list(self.sides)),

@@ -10,7 +10,15 @@ import numpy as np
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._lookup import one_of
-from gearbow._result import Column, Figured, Result, WithSpeeds, in_micrometres, in_percent
+from gearbow._result import (
+    ROUND_OFF,
+    Column,
+    Figured,
+    Result,
+    WithSpeeds,
+    in_micrometres,
+    in_percent,
+)
 from gearbow._shown import MOST_ROWS, ReadOnly, Shown, read_only
 from gearbow._types import Array, At, Plain, Side, StaticData, StaticFigure
 from gearbow.description.coordinates import Coordinates
@@ -25,10 +33,6 @@ from gearbow.units.speed import SpeedUnit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-#: Size of a displacement that is round-off, relative to the largest one.
-_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -297,9 +301,9 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         displacements = np.array([row[3] for row in rows]).reshape(-1, 2)
         thrusts = np.array([row[2] for row in rows])
         largest = np.abs(np.nan_to_num(thrusts)).max(initial=0.0)
-        along = [Column("axial force", thrusts, "N", round_off=_ROUND_OFF * largest)]
+        along = [Column("axial force", thrusts, "N", round_off=ROUND_OFF * largest)]
         um = in_micrometres()
-        given: Any = (".4g", um, _ROUND_OFF * np.abs(np.nan_to_num(displacements)).max(initial=0.0))
+        given: Any = (".4g", um, ROUND_OFF * np.abs(np.nan_to_num(displacements)).max(initial=0.0))
         return [
             Column("place", [row[0] for row in rows]),
             Column("force", np.array([row[1] for row in rows]), "N"),
