@@ -44,7 +44,7 @@ pub struct BendingCut {
     pub geometric: ForceRows,
 }
 
-/// Rows of the shear force Q, N, and of the moment M conjugate to φ, N m.
+/// Rows that give the shear force Q, N, and the complex bending moment M, N m, which does work on the complex rotation φ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceRows {
     /// Row of Q.
