@@ -177,9 +177,11 @@ def works(response: gb.Response) -> None:
     assert repr(response)
     assert len(response.events) == len(response._data["events"])
     assert response.speeds.shape == response.time.shape
-    for name in response.recorded:
-        if isinstance(name, str) and name != "energy":
+    for _, _, names in response._data["points"]:
+        for name in names:
             assert response.displacement(name).shape == (response.time.size, 2)
+    for shaft in response._to_record().recorded_shafts if response._data["sections"] else []:
+        assert response.section_forces(shaft).shape[0] == response.time.size
     list(response.statistics)
     metadata_of(response._to_record(), {})
 
