@@ -21,7 +21,6 @@ import pytest
 import gearbow as gb
 from gearbow.report import texts
 from gearbow.report.contents import SECTIONS, accuracy, bow, campbell, data
-from gearbow.report.german import GERMAN, WORDS
 from gearbow.report.page import parts_tables
 from gearbow.report.resonances import resonances
 from gearbow.report.shared import Contents, Options, table_range
@@ -621,9 +620,10 @@ def sentences() -> set[str]:
 
 
 def test_every_sentence_has_a_german_one():
-    assert sentences() == set(GERMAN)
+    tables = texts.german()
+    assert sentences() == set(tables["sentences"])
     places = re.compile(r"\{\w+\}")
-    for english, german in {**GERMAN, **WORDS}.items():
+    for english, german in {**tables["sentences"], **tables["words"]}.items():
         assert sorted(places.findall(english)) == sorted(places.findall(german)), english
 
 
@@ -657,10 +657,11 @@ def test_a_german_report(tmp_path):
         "starr",
     }
     # Headings of tables have German words, and names of the user stay.
+    words = texts.german()["words"]
     texts_of = re.sub(r"<(script|style|pre).*?</\1>|<img[^>]*>", "", page, flags=re.DOTALL)
     for heading in re.findall(r"<th[^>]*>(.*?)</th>", texts_of):
         name = html.unescape(heading).partition(" [")[0]
-        assert name not in WORDS or WORDS[name] == name, name
+        assert name not in words or words[name] == name, name
     assert "<td>mesh</td>" in texts_of
     # Numbers have the digits of the English page.
     frequencies = rotor.modes(gb.rpm(3000.0), count=len(found)).frequencies_hz
