@@ -59,8 +59,6 @@ _RESOLUTION = 110
 #: Number of points of curves above which a vector graphic is larger than an image of pixels, which
 #: has 50 to 150 kB.
 _DENSE_POINTS = 2_000
-#: Number of colours of an image of pixels: curves with soft edges, and shaded surfaces.
-_COLOURS = 64
 
 
 @dataclass(frozen=True)
@@ -165,7 +163,7 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
         from matplotlib.text import Text  # noqa: PLC0415
         from plotly.io.json import to_json_plotly  # noqa: PLC0415
 
-        from gearbow.plotting.interactive import WIDTH, converted  # noqa: PLC0415
+        from gearbow.plotting.interactive import WIDTH, converted, write_png  # noqa: PLC0415
 
     for text in figure.findobj(Text) if language() != "en" else ():
         text.set_text(word(text.get_text()))
@@ -174,24 +172,12 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
     dense = sum(np.size(line.get_xdata()) for line in lines) > _DENSE_POINTS
     given = space or converted(figure, stream, _RESOLUTION if dense else None)
     if space is not None:
-        figure.savefig(stream, format="png", dpi=_RESOLUTION)
-    kind, content = "svg+xml", stream.getvalue()
-    if dense or space is not None:
-        kind, content = "png", _with_few_colours(stream)
-    image = f"data:image/{kind};base64,{b64encode(content).decode()}"
+        write_png(figure, stream, _RESOLUTION)
+    kind = "png" if dense or space is not None else "svg+xml"
+    image = f"data:image/{kind};base64,{b64encode(stream.getvalue()).decode()}"
     layout = given["layout"]
     size = (float(layout["width"]), float(layout["height"]))
     return Picture(caption, image, _packed(to_json_plotly(given)), size, 100.0 * size[0] / WIDTH)
-
-
-def _with_few_colours(drawn: BytesIO) -> bytes:
-    """Reduce the colours of an image, a PNG."""
-    from PIL import Image  # noqa: PLC0415  # matplotlib needs it
-
-    stream = BytesIO()
-    with Image.open(drawn) as image:
-        image.convert("RGB").quantize(_COLOURS).save(stream, "PNG", optimize=True)
-    return stream.getvalue()
 
 
 def _packed(text: str) -> str:
