@@ -79,7 +79,7 @@ def write_png(figure: Figure, image: BinaryIO, resolution: float) -> None:
     from PIL import Image  # noqa: PLC0415  # matplotlib needs it
 
     figure.set_dpi(resolution)
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     drawn.quantize(_COLOURS).save(image, "PNG")

@@ -11,6 +11,7 @@ import re
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
@@ -185,13 +186,20 @@ def _packed(text: str) -> str:
     return b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
+@cache
+def _script() -> str:
+    """Give the script of plotly, which is the same on every page."""
+    from plotly.offline import get_plotlyjs  # noqa: PLC0415
+
+    return _packed(get_plotlyjs())
+
+
 def write(
     path: Path, title: str, facts: Sequence[tuple[str, str]], sections: Sequence[Section]
 ) -> None:
     """Write the page."""
     with extra("report"):
         import jinja2  # noqa: PLC0415
-        from plotly.offline import get_plotlyjs  # noqa: PLC0415
 
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
@@ -201,7 +209,7 @@ def write(
         title=title,
         facts=facts,
         sections=sections,
-        script=_packed(get_plotlyjs()),
+        script=_script(),
         language=language(),
     )
     with replacing(path) as file:
