@@ -10,12 +10,18 @@ import gearbow
 PACKAGE = Path(gearbow.__file__).parent
 #: Folders of what a user of the core can do without.
 OUTBUILDINGS = ("exchange", "identification", "report", "studies")
+#: The other folders. A new folder belongs to one of the two.
+CORE = (
+    *("analysis", "cli", "description", "machines", "orders", "plotting", "recording", "results"),
+    *("sweeps", "system", "units"),
+)
 #: Files of the core that are doors: the outbuildings that their functions import when called.
 DOORS = {
     "__init__.py": {"exchange", "identification", "studies"},  # names imported at first use
     "description/bow.py": {"exchange"},  # Bow of a table in a file
     "description/elastic.py": {"exchange"},  # matrices of files
     "description/speed.py": {"exchange"},  # SpeedTable of a table in a file
+    "results/__init__.py": {"exchange", "identification", "studies"},  # names, likewise
     "results/frequency_response.py": {"exchange"},  # save, tables, and compare with a file
     "results/modes.py": {"exchange"},  # save, and compare with a file
     "system/outputs.py": {"report"},  # RotorSystem.report
@@ -92,6 +98,11 @@ def is_outbuilding(file: str) -> bool:
     return file.split("/", maxsplit=1)[0] in OUTBUILDINGS
 
 
+def test_every_folder_is_core_or_outbuilding():
+    folders = {path.parent.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py")}
+    assert folders - {"."} == {*CORE, *OUTBUILDINGS}
+
+
 def test_the_core_imports_outbuildings_in_its_doors_only():
     doors: dict[str, set[str]] = {}
     for file, tree in parsed_files():
@@ -101,9 +112,17 @@ def test_the_core_imports_outbuildings_in_its_doors_only():
             if each.outbuilding is not None and each.when != "typing":
                 assert each.when == "call", f"{file} imports {each.module} when it is imported"
                 doors.setdefault(file, set()).add(each.outbuilding)
-    # The package imports the modules of `_LAZY` by their names.
-    lazy = {Import(module, "", "call").outbuilding for module in vars(gearbow)["_LAZY"].values()}
-    doors["__init__.py"] = {name for name in lazy if name is not None}
+    # Two faces import the modules of their tables by name.
+    for file, face, table in (
+        ("__init__.py", gearbow, "_LAZY"),
+        ("results/__init__.py", gearbow.results, "_MODULES"),
+    ):
+        lazy = {Import(module, "", "call").outbuilding for module in vars(face)[table].values()}
+        doors[file] = {name for name in lazy if name is not None}
+    texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    found = (path.relative_to(PACKAGE) for path, text in texts.items() if "import_module" in text)
+    by_name = {path.as_posix() for path in found}
+    assert by_name == {"__init__.py", "results/__init__.py", "exchange/tables.py"}
     assert doors == DOORS
 
 
