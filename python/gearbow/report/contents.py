@@ -7,7 +7,7 @@ reason, and the blocks before it stay.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from gearbow.report.shared import (
     UNDAMPED,
     Contents,
     Make,
+    margins,
     reason_of,
     resonances_of,
 )
@@ -36,16 +37,18 @@ from gearbow.report.vibration import vibration
 from gearbow.results.bow_limits import BowLimits
 from gearbow.results.campbell import Intersection
 from gearbow.results.modes import Modes
-from gearbow.results.peak import Peak, marks
+from gearbow.results.peak import marks
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
 from gearbow.units.speed import speed_factor
+
+T = TypeVar("T")
 
 #: Damping ratio from which a mode is no resonance, and number of critical speeds of the summary.
 _OVERDAMPED, _NAMED = 0.7, 6
 #: Number of modes of the overview, and of those in three dimensions.
 _OVERVIEW, _IN_SPACE = 6, 4
-#: Largest numbers of panels of a figure: orbits, bearings, spectra.
-_ORBITS, _BEARINGS, _SPECTRA = 8, 4, 3
+#: Largest numbers of orbits, meshes, bearings and spectra in a figure.
+_ORBITS, _MESHES, _BEARINGS, _SPECTRA = 8, 2, 4, 3
 
 
 def drawing(contents: Contents) -> Iterator[Block]:
@@ -117,10 +120,7 @@ def static(contents: Contents) -> Iterator[Block]:
     from gearbow.plotting.style import quantity  # noqa: PLC0415
 
     found = contents.static
-    title = say("Static equilibrium")
-    if contents.speed:
-        title = say("Static equilibrium at {speed}", speed=contents.text(contents.speed))
-    yield Table.of_result(found, title)
+    yield Table.of_result(found, say("Static equilibrium {where}", where=contents.where))
     meshes = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
     if meshes:
         states = [found.mesh(pair) for pair in meshes]
@@ -167,10 +167,7 @@ def life(contents: Contents) -> Iterator[Block]:
 def modes(contents: Contents) -> Iterator[Block]:
     """Show natural modes."""
     found = contents.modes
-    title = say("Modes at standstill")
-    if contents.speed:
-        title = say("Modes at {speed}", speed=contents.text(contents.speed))
-    yield Table.of_result(found, title)
+    yield Table.of_result(found, say("Modes {where}", where=contents.where))
     yield picture(found.plot(count=_OVERVIEW), say("Shapes along the shafts."))
     elastic = found._vibrations()
     for number in elastic[:_IN_SPACE]:
@@ -231,7 +228,7 @@ def criticals(contents: Contents) -> Iterator[Block]:
                     ".3f",
                     in_percent("damping"),
                 ),
-                *_margins(peaks),
+                *margins(peaks),
             ],
             [say(API_684), say(_OTHER_MODES)],
         )
@@ -300,16 +297,6 @@ _OTHER_MODES = (
 )
 
 
-def _margins(peaks: list[Peak]) -> list[Column]:
-    """Give the columns of API 684."""
-    return [
-        Column("amplification factor", [peak.amplification_factor for peak in peaks]),
-        Column("margin", [peak.separation_margin for peak in peaks], "%"),
-        Column("required margin", [peak.required_margin for peak in peaks], "%"),
-        Column("verdict", [peak.verdict for peak in peaks]),
-    ]
-
-
 def _largest(contents: Contents) -> list[Any]:
     """Give the places with the largest response."""
     found = contents.synchronous
@@ -334,9 +321,7 @@ def stability(contents: Contents) -> Iterator[Block]:
     with np.errstate(divide="ignore"):
         decrement = 2.0 * math.pi * ratio / np.sqrt(1.0 - ratio**2)
     names = found.names()
-    where = say("at standstill")
-    if contents.speed:
-        where = say("at {speed}", speed=contents.text(contents.speed))
+    where = contents.where
     yield Table.of(
         say("Logarithmic decrement {where}", where=where),
         [
@@ -540,8 +525,7 @@ def motion(contents: Contents) -> Iterator[Block]:
     bodies = [names[0] for _, _, names in recorded_run(run, "run").data["points"] if names]
     lateral = any(direction == "v" for *_, direction in contents.system.dofs)
     if lateral and bodies:
-        for first in range(0, len(bodies), _ORBITS):
-            own = bodies[first : first + _ORBITS]
+        for own in _parts(bodies, _ORBITS):
             caption = say("Orbits: {names}.", names=", ".join(own))
             yield picture(run.plot("orbits", own, times=times), caption)
         size = {name: float(np.ptp(run.displacement(name), axis=0).max()) for name in bodies}
@@ -554,8 +538,7 @@ def motion(contents: Contents) -> Iterator[Block]:
         figure = run.plot("twist", bodies[:_ORBITS], times=times)
         yield picture(figure, say("Twist of gears and disks."))
     pairs = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
-    for first in range(0, len(pairs), 2):
-        two = pairs[first : first + 2]
+    for two in _parts(pairs, _MESHES):
         names = ", ".join("–".join(pair) for pair in two)
         figure = run.plot("mesh", two, times=times)
         yield picture(figure, say("Force, deflection and stiffness: {names}.", names=names))
@@ -564,11 +547,15 @@ def motion(contents: Contents) -> Iterator[Block]:
     if not pairs:
         yield Note(say("There is no mesh geometry: the system has no gears in mesh."))
     places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
-    for first in range(0, len(places) if lateral else 0, _BEARINGS):
-        few = places[first : first + _BEARINGS]
+    for few in _parts(places if lateral else [], _BEARINGS):
         names = ", ".join(map(place_label, few))
         figure = run.plot("bearings", few, times=times)
         yield picture(figure, say("Bearing forces: {names}.", names=names))
+
+
+def _parts(items: list[T], count: int) -> Iterator[list[T]]:
+    """Divide a list into parts of at most `count` items."""
+    return (items[first : first + count] for first in range(0, len(items), count))
 
 
 def _floquet(contents: Contents, steady: SteadyState) -> Note:
