@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -65,23 +66,18 @@ class Import(NamedTuple):
         return folder if folder in OUTBUILDINGS else None
 
 
-def parsed_files() -> Iterator[tuple[str, ast.Module]]:
-    for path in sorted(PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        yield path.relative_to(PACKAGE).as_posix(), tree
+@cache
+def parsed_files() -> tuple[tuple[str, ast.Module], ...]:
+    paths = sorted(PACKAGE.rglob("*.py"))
+    return tuple(
+        (path.relative_to(PACKAGE).as_posix(), ast.parse(path.read_text(encoding="utf-8")))
+        for path in paths
+    )
 
 
 def imports_of(node: ast.AST, when: str = "import") -> Iterator[Import]:
     """Give the imports of names of gearbow in a tree."""
     for child in ast.iter_child_nodes(node):
-        inner = when
-        if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
-            inner = "call"
-        elif isinstance(child, ast.If) and ast.unparse(child.test).endswith("TYPE_CHECKING"):
-            inner = "typing"
-            for branch in child.orelse:
-                yield from imports_of(branch, when)
-            child.orelse = []
         if isinstance(child, ast.ImportFrom):
             assert child.level == 0, "imports name the package"
             if (child.module or "").split(".")[0] == "gearbow":
@@ -90,8 +86,12 @@ def imports_of(node: ast.AST, when: str = "import") -> Iterator[Import]:
             for alias in child.names:
                 if alias.name.split(".")[0] == "gearbow":
                     yield Import(f"{alias.name}.", "", when)
-        else:
-            yield from imports_of(child, inner)
+        elif isinstance(child, ast.If) and ast.unparse(child.test).endswith("TYPE_CHECKING"):
+            yield from imports_of(ast.Module(child.body, []), "typing")
+            yield from imports_of(ast.Module(child.orelse, []), when)
+        elif not isinstance(child, ast.expr):
+            is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+            yield from imports_of(child, "call" if is_function else when)
 
 
 def is_outbuilding(file: str) -> bool:
