@@ -32,28 +32,9 @@ if TYPE_CHECKING:
 
 #: Columns whose texts are words of the program, not names of the user.
 _WORDED = (
-    *(
-        "shaft",
-        "whirl",
-        "verdict",
-        "within",
-        "largest motion",
-        "excited by",
-        "limit",
-        "why",
-        "place",
-    ),
-    *(
-        "at",
-        "signal",
-        "bearing",
-        "side",
-        "notch",
-        "planes",
-        "quantity",
-        "largest order",
-        "response",
-    ),
+    *("shaft", "whirl", "verdict", "within", "largest motion", "excited by", "limit", "why"),
+    *("place", "at", "signal", "bearing", "side", "notch", "planes", "quantity", "largest order"),
+    "response",
 )
 #: Resolution of an image of pixels [1/in], 190 on paper.
 _RESOLUTION = 110
