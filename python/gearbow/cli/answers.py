@@ -120,20 +120,13 @@ def report(given: argparse.Namespace) -> Answer:
         # Journal bearings carry nothing at speed 0.
         given.first = type(given.last)(0.05 * given.last)
     speeds = None if given.last is None else spaced(given)
+    same = ("modes", "endurance_limit", "tensile_strength", "language", "progress")
     read_system(given).report(
         out,
         operating=None if given.speed is None else (given.speed[0], given.speed[-1]),
         speeds=speeds,
-        modes=given.modes,
         title=given.title or given.scene.stem,
-        endurance_limit=given.endurance_limit,
-        tensile_strength=given.tensile_strength,
-        company=given.company,
-        author=given.author,
-        document_number=given.document_number,
-        date=given.date,
-        language=given.language or "en",
-        progress=given.progress,
+        **_fields(given, *same, "company", "author", "document_number", "date"),
     )
     return Answer(f"report: {out}", {"file": str(out)})
 

@@ -98,7 +98,9 @@ COMMANDS = (
         option("--author", "author below the heading"),
         option("--document-number", "number of the document below the heading"),
         option("--date", "date of the document below the heading"),
-        option("--language", "language of the page; default: en", choices=["en", "de"]),
+        option(
+            "--language", "language of the page; default: en", choices=["en", "de"], default="en"
+        ),
         option("--out", "file .html; default: the name of the scene file"),
         progress,
     ),

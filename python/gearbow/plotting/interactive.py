@@ -28,6 +28,8 @@ from gearbow.plotting.shapes import Path as Line, Surface
 
 #: Width of a figure that is as wide as a page [px], and of matplotlib [in].
 WIDTH, _PAGE = 960.0, 12.0
+#: Number of colours of an image of pixels: curves with soft edges, and shaded surfaces.
+_COLOURS = 64
 #: Resolution of an image as SVG [1/in].
 _POINTS = 72.0
 #: Length of the longest axis in three dimensions, in the unit of the distance of the camera.
@@ -61,15 +63,26 @@ def converted(
 ) -> dict[str, Any]:
     """Convert a figure for plotly, and write its image as SVG, or as PNG of a resolution [1/in]."""
     # One drawing gives the layout, the ticks and the image.
-    figure.set_dpi(_POINTS)
     drawing = BytesIO() if image is None else image
     if resolution is None:
+        figure.set_dpi(_POINTS)
         FigureCanvasSVG(figure).print_svg(drawing)  # type: ignore[no-untyped-call]
         FigureCanvasAgg(figure)
     else:
-        FigureCanvasAgg(figure)
-        figure.savefig(drawing, format="png", dpi=resolution)
+        write_png(figure, drawing, resolution)
+        figure.set_dpi(_POINTS)
     return _Converter(figure).result()
+
+
+def write_png(figure: Figure, image: BinaryIO, resolution: float) -> None:
+    """Write a figure as PNG with few colours, and draw it once, where `savefig` draws it twice."""
+    from PIL import Image  # noqa: PLC0415  # matplotlib needs it
+
+    figure.set_dpi(resolution)
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    drawn.quantize(_COLOURS).save(image, "PNG")
 
 
 def scene(parts: Iterable[Surface | Line], title: str) -> dict[str, Any]:

@@ -17,35 +17,30 @@ from gearbow.description.layout import assumptions
 from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, segments_of
-from gearbow.errors import GearbowError
-from gearbow.recording.record import recorded_run
 from gearbow.report import api617
+from gearbow.report.motion import motion
 from gearbow.report.page import Block, Note, Picture, Table, parts_tables, picture
 from gearbow.report.resonances import resonances
 from gearbow.report.shared import (
-    SHOWN_REVOLUTIONS,
     UNDAMPED,
     Contents,
     Make,
+    margins,
     reason_of,
     resonances_of,
 )
 from gearbow.report.strength import strength
 from gearbow.report.texts import say, word
-from gearbow.report.vibration import vibration
 from gearbow.results.bow_limits import BowLimits
 from gearbow.results.campbell import Intersection
 from gearbow.results.modes import Modes
-from gearbow.results.peak import Peak, marks
-from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
+from gearbow.results.peak import marks
 from gearbow.units.speed import speed_factor
 
 #: Damping ratio from which a mode is no resonance, and number of critical speeds of the summary.
 _OVERDAMPED, _NAMED = 0.7, 6
 #: Number of modes of the overview, and of those in three dimensions.
 _OVERVIEW, _IN_SPACE = 6, 4
-#: Largest numbers of panels of a figure: orbits, bearings, spectra.
-_ORBITS, _BEARINGS, _SPECTRA = 8, 4, 3
 
 
 def drawing(contents: Contents) -> Iterator[Block]:
@@ -117,10 +112,7 @@ def static(contents: Contents) -> Iterator[Block]:
     from gearbow.plotting.style import quantity  # noqa: PLC0415
 
     found = contents.static
-    title = say("Static equilibrium")
-    if contents.speed:
-        title = say("Static equilibrium at {speed}", speed=contents.text(contents.speed))
-    yield Table.of_result(found, title)
+    yield Table.of_result(found, say("Static equilibrium {where}", where=contents.where))
     meshes = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
     if meshes:
         states = [found.mesh(pair) for pair in meshes]
@@ -167,10 +159,7 @@ def life(contents: Contents) -> Iterator[Block]:
 def modes(contents: Contents) -> Iterator[Block]:
     """Show natural modes."""
     found = contents.modes
-    title = say("Modes at standstill")
-    if contents.speed:
-        title = say("Modes at {speed}", speed=contents.text(contents.speed))
-    yield Table.of_result(found, title)
+    yield Table.of_result(found, say("Modes {where}", where=contents.where))
     yield picture(found.plot(count=_OVERVIEW), say("Shapes along the shafts."))
     elastic = found._vibrations()
     for number in elastic[:_IN_SPACE]:
@@ -231,7 +220,7 @@ def criticals(contents: Contents) -> Iterator[Block]:
                     ".3f",
                     in_percent("damping"),
                 ),
-                *_margins(peaks),
+                *margins(peaks),
             ],
             [say(API_684), say(_OTHER_MODES)],
         )
@@ -300,16 +289,6 @@ _OTHER_MODES = (
 )
 
 
-def _margins(peaks: list[Peak]) -> list[Column]:
-    """Give the columns of API 684."""
-    return [
-        Column("amplification factor", [peak.amplification_factor for peak in peaks]),
-        Column("margin", [peak.separation_margin for peak in peaks], "%"),
-        Column("required margin", [peak.required_margin for peak in peaks], "%"),
-        Column("verdict", [peak.verdict for peak in peaks]),
-    ]
-
-
 def _largest(contents: Contents) -> list[Any]:
     """Give the places with the largest response."""
     found = contents.synchronous
@@ -334,9 +313,7 @@ def stability(contents: Contents) -> Iterator[Block]:
     with np.errstate(divide="ignore"):
         decrement = 2.0 * math.pi * ratio / np.sqrt(1.0 - ratio**2)
     names = found.names()
-    where = say("at standstill")
-    if contents.speed:
-        where = say("at {speed}", speed=contents.text(contents.speed))
+    where = contents.where
     yield Table.of(
         say("Logarithmic decrement {where}", where=where),
         [
@@ -524,90 +501,6 @@ def _meaningful(found: BowLimits, shaft: Shaft) -> BowLimits:
             for one in found.found
         ),
     )
-
-
-def motion(contents: Contents) -> Iterator[Block]:
-    """Show orbits, spectra and mesh geometry at the operating speed."""
-    run, what, steady = contents.motion
-    speed = contents.need_operating()
-    yield Note(say("Motion at {speed}: {what}.", speed=contents.text(speed), what=what))
-    if steady is not None:
-        yield _floquet(contents, steady)
-    yield from vibration(contents)
-    yield Table.of_result(run, say("Recorded signals"))
-    end = float(run.time[-1])
-    times = (max(float(run.time[0]), end - SHOWN_REVOLUTIONS * contents.turn()), end)
-    bodies = [names[0] for _, _, names in recorded_run(run, "run").data["points"] if names]
-    lateral = any(direction == "v" for *_, direction in contents.system.dofs)
-    if lateral and bodies:
-        for first in range(0, len(bodies), _ORBITS):
-            own = bodies[first : first + _ORBITS]
-            caption = say("Orbits: {names}.", names=", ".join(own))
-            yield picture(run.plot("orbits", own, times=times), caption)
-        size = {name: float(np.ptp(run.displacement(name), axis=0).max()) for name in bodies}
-        largest = sorted(bodies, key=lambda name: -size[name])[:_SPECTRA]
-        yield picture(
-            run.plot("spectrum", [name for name in bodies if name in largest]),
-            say("Amplitude spectra of the places with the largest motion."),
-        )
-    elif bodies:
-        figure = run.plot("twist", bodies[:_ORBITS], times=times)
-        yield picture(figure, say("Twist of gears and disks."))
-    pairs = [(mesh.driver, mesh.driven) for mesh in contents.system.meshes]
-    for first in range(0, len(pairs), 2):
-        two = pairs[first : first + 2]
-        names = ", ".join("–".join(pair) for pair in two)
-        figure = run.plot("mesh", two, times=times)
-        yield picture(figure, say("Force, deflection and stiffness: {names}.", names=names))
-        figure = run.plot("geometry", two, times=times)
-        yield picture(figure, say("Mesh geometry at the moving centres: {names}.", names=names))
-    if not pairs:
-        yield Note(say("There is no mesh geometry: the system has no gears in mesh."))
-    places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
-    for first in range(0, len(places) if lateral else 0, _BEARINGS):
-        few = places[first : first + _BEARINGS]
-        names = ", ".join(map(place_label, few))
-        figure = run.plot("bearings", few, times=times)
-        yield picture(figure, say("Bearing forces: {names}.", names=names))
-
-
-def _floquet(contents: Contents, steady: SteadyState) -> Note:
-    """Say whether small disturbances of the steady state decay."""
-    if not contents.system.meshes:
-        return Note(
-            say(
-                "Whether small disturbances of this motion decay follows from the eigenvalues in "
-                "the section on stability: no teeth change the stiffness of the system."
-            )
-        )
-    if steady.method == "quasi-periodic":
-        contents.find(say("The steady state is {state}.", state=say("stable")))
-        return Note(
-            say("The steady state is stable: the motion ran in, so that disturbances decay.")
-        )
-    try:
-        kind = steady.instability()
-    except GearbowError as error:
-        text = say("Stability of the steady state: not computed, because {reason}", reason=error)
-        return Note(text)
-    largest = max(map(abs, steady.multipliers()), default=0.0)
-    # A motion that decays slowly has a multiplier that rounds to 1.
-    near = abs(largest - 1.0) < 1e-3
-    sign = "−" if largest < 1.0 else "+"
-    shown = f"1 {sign} {abs(largest - 1.0):.1e}" if near else f"{largest:.4g}"
-    size = say("all are below {least}", least=f"{SMALLEST_MULTIPLIER:g}")
-    if largest:
-        size = say("the largest is {size}", size=shown)
-    section = say("a part of the motion") if math.isinf(steady.period) else say("a period")
-    state = say("stable") if kind is None else say("unstable ({kind})", kind=word(kind))
-    text = say("The steady state is {state}.", state=state)
-    contents.find(text, warning=kind is not None)
-    more = say(
-        "Floquet multipliers over {section}, with the changing stiffness of the teeth: {size}.",
-        section=section,
-        size=size,
-    )
-    return Note(f"{text} {more}", kind is not None)
 
 
 def accuracy(contents: Contents) -> Iterator[Block]:

@@ -11,6 +11,7 @@ import re
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
@@ -31,36 +32,15 @@ if TYPE_CHECKING:
 
 #: Columns whose texts are words of the program, not names of the user.
 _WORDED = (
-    *(
-        "shaft",
-        "whirl",
-        "verdict",
-        "within",
-        "largest motion",
-        "excited by",
-        "limit",
-        "why",
-        "place",
-    ),
-    *(
-        "at",
-        "signal",
-        "bearing",
-        "side",
-        "notch",
-        "planes",
-        "quantity",
-        "largest order",
-        "response",
-    ),
+    *("shaft", "whirl", "verdict", "within", "largest motion", "excited by", "limit", "why"),
+    *("place", "at", "signal", "bearing", "side", "notch", "planes", "quantity", "largest order"),
+    "response",
 )
 #: Resolution of an image of pixels [1/in], 190 on paper.
 _RESOLUTION = 110
 #: Number of points of curves above which a vector graphic is larger than an image of pixels, which
 #: has 50 to 150 kB.
 _DENSE_POINTS = 2_000
-#: Number of colours of an image of pixels: curves with soft edges, and shaded surfaces.
-_COLOURS = 64
 
 
 @dataclass(frozen=True)
@@ -165,7 +145,7 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
         from matplotlib.text import Text  # noqa: PLC0415
         from plotly.io.json import to_json_plotly  # noqa: PLC0415
 
-        from gearbow.plotting.interactive import WIDTH, converted  # noqa: PLC0415
+        from gearbow.plotting.interactive import WIDTH, converted, write_png  # noqa: PLC0415
 
     for text in figure.findobj(Text) if language() != "en" else ():
         text.set_text(word(text.get_text()))
@@ -174,29 +154,25 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
     dense = sum(np.size(line.get_xdata()) for line in lines) > _DENSE_POINTS
     given = space or converted(figure, stream, _RESOLUTION if dense else None)
     if space is not None:
-        figure.savefig(stream, format="png", dpi=_RESOLUTION)
-    kind, content = "svg+xml", stream.getvalue()
-    if dense or space is not None:
-        kind, content = "png", _with_few_colours(stream)
-    image = f"data:image/{kind};base64,{b64encode(content).decode()}"
+        write_png(figure, stream, _RESOLUTION)
+    kind = "png" if dense or space is not None else "svg+xml"
+    image = f"data:image/{kind};base64,{b64encode(stream.getvalue()).decode()}"
     layout = given["layout"]
     size = (float(layout["width"]), float(layout["height"]))
     return Picture(caption, image, _packed(to_json_plotly(given)), size, 100.0 * size[0] / WIDTH)
 
 
-def _with_few_colours(drawn: BytesIO) -> bytes:
-    """Reduce the colours of an image, a PNG."""
-    from PIL import Image  # noqa: PLC0415  # matplotlib needs it
-
-    stream = BytesIO()
-    with Image.open(drawn) as image:
-        image.convert("RGB").quantize(_COLOURS).save(stream, "PNG", optimize=True)
-    return stream.getvalue()
-
-
 def _packed(text: str) -> str:
     """Compress a text that a script of the page reads."""
     return b64encode(gzip.compress(text.encode(), mtime=0)).decode()
+
+
+@cache
+def _script() -> str:
+    """Give the script of plotly, which is the same on every page."""
+    from plotly.offline import get_plotlyjs  # noqa: PLC0415
+
+    return _packed(get_plotlyjs())
 
 
 def write(
@@ -205,7 +181,6 @@ def write(
     """Write the page."""
     with extra("report"):
         import jinja2  # noqa: PLC0415
-        from plotly.offline import get_plotlyjs  # noqa: PLC0415
 
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
@@ -215,7 +190,7 @@ def write(
         title=title,
         facts=facts,
         sections=sections,
-        script=_packed(get_plotlyjs()),
+        script=_script(),
         language=language(),
     )
     with replacing(path) as file:

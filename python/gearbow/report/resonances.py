@@ -9,7 +9,7 @@ import numpy as np
 from gearbow._result import Column, in_percent
 from gearbow.errors import GearbowError
 from gearbow.report.page import Block, Note, Table
-from gearbow.report.shared import ABOVE, BELOW, UNDAMPED, Contents, resonances_of
+from gearbow.report.shared import ABOVE, BELOW, UNDAMPED, Contents, margins, resonances_of
 from gearbow.report.texts import say, word
 from gearbow.results.campbell import Intersection
 
@@ -95,10 +95,7 @@ def resonances(contents: Contents) -> Iterator[Block]:
             *columns[:1],
             *columns[3:6],
             Column("damping ratio", damping, "", ".3f", in_percent("damping")),
-            Column("amplification factor", [peak.amplification_factor for peak in peaks]),
-            Column("margin", [peak.separation_margin for peak in peaks], "%"),
-            Column("required margin", [peak.required_margin for peak in peaks], "%"),
-            Column("verdict", [peak.verdict for peak in peaks]),
+            *margins(peaks),
         ],
         [say("The standard means lateral modes and orders of shafts; teeth are listed alike.")],
     )

@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 
+from gearbow._result import Column
 from gearbow._types import Array, Language
 from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import ratios_by_shaft
@@ -145,6 +146,13 @@ class Contents:
     def text(self, speed: float) -> str:
         """Write a speed in the unit of the report."""
         return speed_text(speed, self.options.unit)
+
+    @property
+    def where(self) -> str:
+        """The highest operating speed in a title or sentence."""
+        if not self.speed:
+            return say("at standstill")
+        return say("at {speed}", speed=self.text(self.speed))
 
     @property
     def static(self) -> Static:
@@ -318,6 +326,16 @@ def resonances_of(found: Iterable[Intersection], span: tuple[float, float] | Non
             one.damping_ratio > -UNDAMPED,
         )
         for one in found
+    ]
+
+
+def margins(peaks: list[Peak]) -> list[Column]:
+    """Give the columns of API RP 684."""
+    return [
+        Column("amplification factor", [peak.amplification_factor for peak in peaks]),
+        Column("margin", [peak.separation_margin for peak in peaks], "%"),
+        Column("required margin", [peak.required_margin for peak in peaks], "%"),
+        Column("verdict", [peak.verdict for peak in peaks]),
     ]
 
 

@@ -1,17 +1,23 @@
-"""The language of a report: every text in English, and one table with the German ones.
+"""The language of a report: every text in English, with the German ones in `german.toml`.
 
 `say` writes a sentence of the report, and `word` a text that a result or a figure brings along.
 """
 
 import re
-from collections.abc import Collection, Iterator
+import sys
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from gearbow._types import Language
-from gearbow.report.german import GERMAN, WORDS
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 _language: ContextVar[Language] = ContextVar("language", default="en")
 #: Names that the user gave, which are no words.
@@ -34,9 +40,17 @@ def language() -> Language:
     return _language.get()
 
 
+@cache
+def german() -> Mapping[str, dict[str, str]]:
+    """Give the German "sentences" of the report and "words" of results by the English ones."""
+    text = files(__package__).joinpath("german.toml").read_text("utf-8")
+    found: dict[str, dict[str, str]] = tomllib.loads(text)
+    return found
+
+
 def say(text: str, /, **values: Any) -> str:
     """Write a sentence or heading of the report, with values in its places."""
-    template = GERMAN[text] if language() == "de" else text
+    template = german()["sentences"][text] if language() == "de" else text
     return template.format(**values)
 
 
@@ -44,11 +58,12 @@ def word(text: str) -> str:
     """Translate a text of a result: words, a name with a unit, or a sentence with values."""
     if language() == "en" or text in _names.get():
         return text
-    if text in WORDS:
-        return WORDS[text]
+    words = german()["words"]
+    if text in words:
+        return words[text]
     name, bracket, unit = text.partition(" [")
-    if bracket and name in WORDS:
-        return f"{WORDS[name]}{bracket}{unit}"
+    if bracket and name in words:
+        return f"{words[name]}{bracket}{unit}"
     for pattern, template in _patterns():
         found = pattern.fullmatch(text)
         if found:
@@ -61,7 +76,7 @@ def word(text: str) -> str:
 def _patterns() -> tuple[tuple[re.Pattern[str], str], ...]:
     """Give what a text with values looks like, and its translation."""
     found = []
-    for text, translation in WORDS.items():
+    for text, translation in german()["words"].items():
         if "{" in text:
             parts = re.split(r"\{(\w+)\}", text)
             fixed = [re.escape(part) for part in parts[::2]]

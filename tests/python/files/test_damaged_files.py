@@ -366,8 +366,7 @@ def test_every_reader_is_tested():
         "machines.examples._read",  # a file of the package
         "_sheets._write_sheet",  # opens a member of an archive that it writes
         "studies.dataset._check_card",  # any text
-        "report.page.write",  # the template of the package
-        "report.page._with_few_colours",  # images that the report has drawn
+        *("report.page.write", "report.texts.german"),  # files of the package
         *(f"sweeps.store.{name}" for name in ("_open", "write")),
     }
     assert found - others == READERS - {"_files.reading"}

@@ -329,13 +329,13 @@ def test_bearings_that_are_soft_in_one_direction():
 def test_the_critical_speeds_are_those_of_dense_matrices(scene: Drawn):
     system = refined(scene)
     highest = 2 * np.pi * system.modes().frequencies_hz.max()
-    stiffnesses = [1e6, 1e10]
-    found = system.critical_speed_map(stiffnesses, count=7)
-    wanted = system.critical_speed_map(stiffnesses)
-    for one, other in zip(found.speeds, wanted.speeds, strict=True):
-        assert len(one) == 7
+    # Each stiffness by itself: between two of them, many more follow the modes for their lines.
+    for stiffness in (1e6, 1e10):
+        (found,) = system.critical_speed_map([stiffness], count=7).speeds
+        wanted = system.critical_speed_map([stiffness]).speeds[0][:7]
+        assert len(found) == 7
         # very stiff bearings raise the highest frequency
-        assert np.all(np.abs(one - other[:7]) <= round_off(100 * highest, other[:7]) * other[:7])
+        assert np.all(np.abs(found - wanted) <= round_off(100 * highest, wanted) * wanted)
 
 
 @scenes(2)

@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,12 +11,18 @@ import gearbow
 PACKAGE = Path(gearbow.__file__).parent
 #: Folders of what a user of the core can do without.
 OUTBUILDINGS = ("exchange", "identification", "report", "studies")
+#: The other folders. A new folder belongs to one of the two.
+CORE = (
+    *("analysis", "cli", "description", "machines", "orders", "plotting", "recording", "results"),
+    *("sweeps", "system", "units"),
+)
 #: Files of the core that are doors: the outbuildings that their functions import when called.
 DOORS = {
     "__init__.py": {"exchange", "identification", "studies"},  # names imported at first use
     "description/bow.py": {"exchange"},  # Bow of a table in a file
     "description/elastic.py": {"exchange"},  # matrices of files
     "description/speed.py": {"exchange"},  # SpeedTable of a table in a file
+    "results/__init__.py": {"exchange", "identification", "studies"},  # names, likewise
     "results/frequency_response.py": {"exchange"},  # save, tables, and compare with a file
     "results/modes.py": {"exchange"},  # save, and compare with a file
     "system/outputs.py": {"report"},  # RotorSystem.report
@@ -59,23 +66,18 @@ class Import(NamedTuple):
         return folder if folder in OUTBUILDINGS else None
 
 
-def parsed_files() -> Iterator[tuple[str, ast.Module]]:
-    for path in sorted(PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        yield path.relative_to(PACKAGE).as_posix(), tree
+@cache
+def parsed_files() -> tuple[tuple[str, ast.Module], ...]:
+    paths = sorted(PACKAGE.rglob("*.py"))
+    return tuple(
+        (path.relative_to(PACKAGE).as_posix(), ast.parse(path.read_text(encoding="utf-8")))
+        for path in paths
+    )
 
 
 def imports_of(node: ast.AST, when: str = "import") -> Iterator[Import]:
     """Give the imports of names of gearbow in a tree."""
     for child in ast.iter_child_nodes(node):
-        inner = when
-        if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
-            inner = "call"
-        elif isinstance(child, ast.If) and ast.unparse(child.test).endswith("TYPE_CHECKING"):
-            inner = "typing"
-            for branch in child.orelse:
-                yield from imports_of(branch, when)
-            child.orelse = []
         if isinstance(child, ast.ImportFrom):
             assert child.level == 0, "imports name the package"
             if (child.module or "").split(".")[0] == "gearbow":
@@ -84,12 +86,21 @@ def imports_of(node: ast.AST, when: str = "import") -> Iterator[Import]:
             for alias in child.names:
                 if alias.name.split(".")[0] == "gearbow":
                     yield Import(f"{alias.name}.", "", when)
-        else:
-            yield from imports_of(child, inner)
+        elif isinstance(child, ast.If) and ast.unparse(child.test).endswith("TYPE_CHECKING"):
+            yield from imports_of(ast.Module(child.body, []), "typing")
+            yield from imports_of(ast.Module(child.orelse, []), when)
+        elif not isinstance(child, ast.expr):
+            is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+            yield from imports_of(child, "call" if is_function else when)
 
 
 def is_outbuilding(file: str) -> bool:
     return file.split("/", maxsplit=1)[0] in OUTBUILDINGS
+
+
+def test_every_folder_is_core_or_outbuilding():
+    folders = {path.parent.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py")}
+    assert folders - {"."} == {*CORE, *OUTBUILDINGS}
 
 
 def test_the_core_imports_outbuildings_in_its_doors_only():
@@ -101,9 +112,17 @@ def test_the_core_imports_outbuildings_in_its_doors_only():
             if each.outbuilding is not None and each.when != "typing":
                 assert each.when == "call", f"{file} imports {each.module} when it is imported"
                 doors.setdefault(file, set()).add(each.outbuilding)
-    # The package imports the modules of `_LAZY` by their names.
-    lazy = {Import(module, "", "call").outbuilding for module in vars(gearbow)["_LAZY"].values()}
-    doors["__init__.py"] = {name for name in lazy if name is not None}
+    # Two faces import the modules of their tables by name.
+    for file, face, table in (
+        ("__init__.py", gearbow, "_LAZY"),
+        ("results/__init__.py", gearbow.results, "_MODULES"),
+    ):
+        lazy = {Import(module, "", "call").outbuilding for module in vars(face)[table].values()}
+        doors[file] = {name for name in lazy if name is not None}
+    texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    found = (path.relative_to(PACKAGE) for path, text in texts.items() if "import_module" in text)
+    by_name = {path.as_posix() for path in found}
+    assert by_name == {"__init__.py", "results/__init__.py", "exchange/tables.py"}
     assert doors == DOORS
 
 

@@ -21,7 +21,6 @@ import pytest
 import gearbow as gb
 from gearbow.report import texts
 from gearbow.report.contents import SECTIONS, accuracy, bow, campbell, data
-from gearbow.report.german import GERMAN, WORDS
 from gearbow.report.page import parts_tables
 from gearbow.report.resonances import resonances
 from gearbow.report.shared import Contents, Options, table_range
@@ -65,6 +64,26 @@ def written(system: gb.RotorSystem, folder: Path, **options: Any) -> Path:
     path = folder / "report.html"
     system.report(path, **options)
     return path
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Make figures without images: `page` draws one of each kind, which takes most of its time."""
+    interactive = pytest.importorskip("gearbow.plotting.interactive")
+    empty = {"layout": {"width": 1.0, "height": 1.0}}
+    monkeypatch.setattr(interactive, "converted", lambda *_: empty)
+    monkeypatch.setattr(interactive, "write_png", lambda *_: None)
+
+
+@pytest.fixture
+def only(monkeypatch) -> Callable[..., None]:
+    """Leave some sections in the reports of a test."""
+    compose = pytest.importorskip("gearbow.report.compose")
+
+    def choose(*names: str) -> None:
+        monkeypatch.setattr(compose, "SECTIONS", [one for one in SECTIONS if one[0] in names])
+
+    return choose
 
 
 @pytest.fixture(scope="module")
@@ -177,6 +196,7 @@ def test_tables_are_those_of_the_results(page, train):
     assert float(masses[0][1]) == pytest.approx(own, rel=1e-3)  # of the four printed digits
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_at_a_negative_speed(train, tmp_path):
     # without teeth that excite, the motion is a sum of those of the shafts, which is cheap
     system, speed = without_tooth_errors(train), -gb.rpm(1000.0)
@@ -198,10 +218,11 @@ def test_the_unbalance_of_api_617(page):
         assert float(row[amount]) == pytest.approx(expected, rel=2e-3)  # of printed digits
 
 
-def test_level_1_of_api_617(tmp_path):
+def test_level_1_of_api_617(only, tmp_path):
     # In an isotropic rotor the cross-coupled stiffness that removes the damping c of a bearing at
     # its place is c ω, and the curve of the decrement is a line up to the change of ω.
     rotor = bowed_rotor_with_disk()
+    only("stability")
     path = written(rotor, tmp_path, operating=100.0, speeds=[50.0, 100.0, 150.0], modes=4)
     text = html.unescape(read_sections(path)["stability"])
     limit = float(re.search(r"zero at Q₀ = ([\d.e+]+) N/m", text)[1])
@@ -217,10 +238,11 @@ def test_level_1_of_api_617(tmp_path):
     assert damping(0.95 * limit) > 0.0 > damping(1.05 * limit)
 
 
-def test_level_1_of_a_soft_rotor_on_unequal_bearings(tmp_path):
+def test_level_1_of_a_soft_rotor_on_unequal_bearings(only, tmp_path):
     # Two planar modes keep their small damping until the cross-coupled stiffness couples them; in
     # a larger one the search of 1e6 N/m missed the zero.
     kit = gb.examples()["bowed_rotor"]
+    only("stability")
     path = written(kit.load(), tmp_path, operating=kit.speed, modes=4)
     text = html.unescape(read_sections(path)["stability"])
     limit = float(re.search(r"zero at Q₀ = ([\d.e+]+) N/m", text)[1])
@@ -280,6 +302,7 @@ def test_the_page_says_whether_the_steady_state_of_a_train_is_stable(page, train
     assert np.all(values.real < 1e-6 * np.abs(values).max())
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_a_system_lacks_is_said(tmp_path):
     path = written(rotor_with_two_disks(), tmp_path)  # neither speeds nor meshes
     sections = {name: html.unescape(text) for name, text in read_sections(path).items()}
@@ -291,6 +314,7 @@ def test_what_a_system_lacks_is_said(tmp_path):
     assert "<table>" in sections["modes"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_unexpected_error_ends_one_section(tmp_path, monkeypatch):
     def fails(*_: object, **__: object) -> None:
         raise ValueError("a fault of the program")
@@ -304,6 +328,7 @@ def test_an_unexpected_error_ends_one_section(tmp_path, monkeypatch):
     assert "Reproduction" in text
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_torsion_alone(tmp_path):
     line = gb.examples()["torsional_drive_line"]
     path = written(line.load(), tmp_path, operating=line.speed, modes=3)
@@ -314,6 +339,7 @@ def test_torsion_alone(tmp_path):
     assert "Not computed" not in "".join(sections.values())
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_ctrl_c_keeps_finished_sections(train, tmp_path):
     def stop(fraction: float) -> None:
         if fraction > 0.19:  # three of fifteen sections
@@ -471,11 +497,13 @@ def test_a_report_shows_oscillations_among_overdamped_modes():
     assert np.sum(modes.damping_ratios < 0.9) >= 8
 
 
-def test_undamped_rolling_bearings_have_a_short_run_in_place_of_a_steady_state(tmp_path):
+@pytest.mark.usefixtures("undrawn")
+def test_undamped_rolling_bearings_have_a_short_run_in_place_of_a_steady_state(only, tmp_path):
     shaft = gb.Shaft("rotor", length=0.4, outer_diameter=0.03)
     bearings = [gb.RollingBearing("rotor", at, "6206") for at in (0.0, 0.4)]
     disk = gb.Disk("disk", "rotor", 0.2, 5.0, 0.01, 0.02, unbalance=1e-5)
     system = gb.RotorSystem([shaft], bearings=bearings, disks=[disk], gravity=9.81)
+    only("motion")
     sections = read_sections(written(system, tmp_path, operating=gb.rpm(3000)))
     text = next(section for section in sections.values() if "Motion at 3000 rpm" in section)
     assert "a run over 360° of the reference shaft, as a mode has no damping" in text
@@ -621,12 +649,14 @@ def sentences() -> set[str]:
 
 
 def test_every_sentence_has_a_german_one():
-    assert sentences() == set(GERMAN)
+    tables = texts.german()
+    assert sentences() == set(tables["sentences"])
     places = re.compile(r"\{\w+\}")
-    for english, german in {**GERMAN, **WORDS}.items():
+    for english, german in {**tables["sentences"], **tables["words"]}.items():
         assert sorted(places.findall(english)) == sorted(places.findall(german)), english
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_german_report(tmp_path):
     shaft = gb.Shaft("disk shaft", length=0.4, outer_diameter=0.03)
     disk = gb.Disk("mesh", "disk shaft", 0.2, 5.0, 0.01, 0.02, unbalance=1e-5)
@@ -657,10 +687,11 @@ def test_a_german_report(tmp_path):
         "starr",
     }
     # Headings of tables have German words, and names of the user stay.
+    words = texts.german()["words"]
     texts_of = re.sub(r"<(script|style|pre).*?</\1>|<img[^>]*>", "", page, flags=re.DOTALL)
     for heading in re.findall(r"<th[^>]*>(.*?)</th>", texts_of):
         name = html.unescape(heading).partition(" [")[0]
-        assert name not in WORDS or WORDS[name] == name, name
+        assert name not in words or words[name] == name, name
     assert "<td>mesh</td>" in texts_of
     # Numbers have the digits of the English page.
     frequencies = rotor.modes(gb.rpm(3000.0), count=len(found)).frequencies_hz

@@ -217,7 +217,7 @@ import study
 from cases import Settings
 given = Settings()
 short = replace(
-    given, bows=tuple(step / 200 for step in range(11)), torques=(250.0,), speeds=(1000.0,), samples=64,
+    given, bows=tuple(step / 200 for step in range(6)), torques=(250.0,), speeds=(1000.0,), samples=64,
     settle=200, phase_steps=1, accuracy="draft", layouts={{"quarter": given.layouts["quarter"]}},
     train=given.train.replace(
         meshes=[replace(mesh, stiffness=2e8) for mesh in given.train.meshes],  # the longest steps
