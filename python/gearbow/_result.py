@@ -7,7 +7,7 @@ and `save` follow. A result of long series gives a summary there, and the series
 import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
+    from typing_extensions import Self
 
 #: Number of rows that `print` shows.
 PRINTED_ROWS = 12
@@ -339,6 +340,12 @@ class WithSpeeds:
             if isinstance(inner, WithSpeeds):
                 inner._remember(unit)
         vars(self)["speed_unit"] = unit
+
+    def _replaced(self, **changes: Any) -> "Self":
+        """Copy this result with other fields; the unit of speeds is no field."""
+        found = replace(self, **changes)  # type: ignore[type-var]
+        found._remember(self.speed_unit)
+        return found
 
     def _speed_text(self, speeds: float | list[float] | Array) -> str:
         """Write a speed, several ones, or the ends of an array of speeds with their unit."""

@@ -159,7 +159,7 @@ def life(contents: Contents) -> Iterator[Block]:
         say(
             "Shortest basic rating life: {hours} h, bearing {bearing}.",
             hours=f"{first.hours:.4g}",
-            bearing=place_label(first.at),
+            bearing=word(place_label(first.at)),
         )
     )
 
@@ -517,8 +517,7 @@ def _meaningful(found: BowLimits, shaft: Shaft) -> BowLimits:
     ends = ((one.outer_diameter, one.end_outer_diameter or 0.0) for one in segments_of(shaft))
     diameter = max(size for pair in ends for size in pair)
     why = say("above the diameter of the shaft, {diameter} mm", diameter=f"{1e3 * diameter:.4g}")
-    return replace(
-        found,
+    return found._replaced(
         found=tuple(
             replace(one, bow=math.inf, why=why) if diameter < one.bow < math.inf else one
             for one in found.found

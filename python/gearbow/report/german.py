@@ -460,6 +460,13 @@ WORDS = {
     "bearing": "Lager",
     "peak-to-peak": "Spitze-Spitze",
     "limit of API 617": "Grenze nach API 617",
+    "radial force": "Radialkraft",
+    "rating": "Tragzahl",
+    "method": "Verfahren",
+    "relative speed": "relative Drehzahl",
+    "L10 [10⁶ turns]": "L10 [10⁶ Umdrehungen]",
+    "life": "Lebensdauer",
+    "modified life": "erweiterte Lebensdauer",
     "within": "eingehalten",
     "yes": "ja",
     "no": "nein",
@@ -529,6 +536,9 @@ WORDS = {
     "backlash used up": "Flankenspiel aufgebraucht",
     "velocity": "Geschwindigkeit",
     "bearing life": "Lagerlebensdauer",
+    "given": "gegeben",
+    "catalogue": "Katalog",
+    "computed": "berechnet",
     "stress": "Spannung",
     "mesh force": "Zahnkraft",
     "tip and root circles touch": "Kopf- und Fußkreise berühren sich",
@@ -564,6 +574,22 @@ WORDS = {
         "bei allen Drehzahlen auf beiden Seiten; mehr Drehzahlen angeben"
     ),
     "excitation left out: {names}": "nicht enthaltene Erregung: {names}",
+    "not contained: lubrication and contamination; give their factor": (
+        "nicht enthalten: Schmierung und Verunreinigung; dafür den Beiwert angeben"
+    ),
+    "no life of {place}: its dynamic_rating is not given": (
+        "keine Lebensdauer von {place}: dynamic_rating ist nicht angegeben"
+    ),
+    "no life of {place}: several bearings share its force": (
+        "keine Lebensdauer von {place}: mehrere Lager teilen sich die Kraft"
+    ),
+    "{place}: P is without the thrust, which its rollers do not carry": (
+        "{place}: P ist ohne die Axialkraft, die seine Rollen nicht tragen"
+    ),
+    "mode {number}: {frequency}, {whirl}, damping {ratio} %\n{name}": (
+        "Eigenform {number}: {frequency}, {whirl}, Dämpfung {ratio} %\n{name}"
+    ),
+    "mode {number}\n{name}": "Eigenform {number}\n{name}",
     "run-out of gears": "Rundlaufabweichung der Räder",
     "run-out of couplings": "Rundlaufabweichung der Kupplungen",
     "forces of order 1": "Kräfte der Ordnung 1",

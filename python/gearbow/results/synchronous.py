@@ -1,7 +1,7 @@
 """Linear response to what turns once with a shaft: amplitudes, phases, peaks and bearing forces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -264,7 +264,7 @@ class Synchronous(HarmonicResponse):
         """
         slow = number(speed, "speed")
         runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
-        return replace(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
+        return self._replaced(amplitudes=self.amplitudes - runout, slow_roll=slow)
 
     @in_given_unit
     def peaks(
