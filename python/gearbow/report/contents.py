@@ -241,7 +241,7 @@ def criticals(contents: Contents) -> Iterator[Block]:
     places = _largest(contents)
     close = 0
     for place in places:
-        peaks_at, at = _peaks(contents, place), place_label(place)
+        peaks_at, at = _peaks(contents, place), word(place_label(place))
         close += sum(peak.verdict in ("too close", "unstable") for peak in peaks_at)
         if len(peaks_at):
             yield Table.of_result(
@@ -405,7 +405,7 @@ def response(contents: Contents) -> Iterator[Block]:
         return
     curves, peaks = {}, {}
     for place in places:
-        own, label = _peaks(contents, place), place_label(place)
+        own, label = _peaks(contents, place), word(place_label(place))
         curves[label] = harmonic.Curve(found.speeds, own.amplitude, own.phase)
         peaks[label] = marks(own)
     figure = harmonic.bode(
@@ -565,7 +565,7 @@ def motion(contents: Contents) -> Iterator[Block]:
     places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
     for first in range(0, len(places) if lateral else 0, _BEARINGS):
         few = places[first : first + _BEARINGS]
-        names = ", ".join(map(place_label, few))
+        names = ", ".join(word(place_label(place)) for place in few)
         figure = run.plot("bearings", few, times=times)
         yield picture(figure, say("Bearing forces: {names}.", names=names))
 

@@ -599,6 +599,7 @@ WORDS = {
     "loads over time": "zeitveränderliche Lasten",
     "itself: {state} above": "selbst: darüber {state}",
     "{harmonic}× teeth of {mesh}": "{harmonic}× Zähne von {mesh}",
+    "{harmonic}× cage {bearing}": "{harmonic}× Käfig {bearing}",
     "{harmonic}× mesh {mesh}": "{harmonic}× Eingriff {mesh}",
     "mesh {mesh}": "Eingriff {mesh}",
     "bearing {place} force": "Lager {place} Kraft",
@@ -611,11 +612,11 @@ WORDS = {
     "{shaft} at {place} m": "{shaft} bei {place} m",
     "{shaft} at {place} m {axis}": "{shaft} bei {place} m {axis}",
     "{shaft} at {place} mm": "{shaft} bei {place} mm",
-    "{count} degrees of freedom.": "{count} Freiheitsgrade.",
+    "{count} degrees of freedom": "{count} Freiheitsgrade",
     "{level}: expected error {error}, at most {most}; frequencies up to {frequency} Hz are accurate"
-    " to {accuracy}.": (
+    " to {accuracy}": (
         "{level}: erwarteter Fehler {error}, höchstens {most}; Frequenzen bis {frequency} Hz sind "
-        "auf {accuracy} genau."
+        "auf {accuracy} genau"
     ),
     "Engineering": "Stufe Engineering",
     # Parts and their fields
@@ -690,6 +691,11 @@ WORDS = {
     "angle": "Winkel",
     "diameter": "Durchmesser",
     "clearance": "Spiel",
+    "axial preload": "axiale Vorspannkraft",
+    "dynamic rating": "dynamische Tragzahl",
+    "static rating": "statische Tragzahl",
+    "inner groove": "Rillenradius innen",
+    "outer groove": "Rillenradius außen",
     "viscosity": "Viskosität",
     "load": "Last",
     "balance": "Gleichgewicht",
