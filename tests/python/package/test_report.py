@@ -665,7 +665,8 @@ def test_a_german_report(tmp_path):
     assert "Lager disk shaft bei 0 m." in read_sections(german)["summary"]
     assert "enthalten: Schmierung und Verunreinigung" in read_sections(german)["life"]
     accuracy_ = read_sections(german)["accuracy"]
-    assert "Freiheitsgrade.</p>" in accuracy_ and "Stufe Engineering: erwarteter" in accuracy_
+    assert "Freiheitsgrade.</p>" in accuracy_
+    assert "Stufe Engineering: erwarteter" in accuracy_
     # Bows that are no limits leave the unit of the speed.
     assert rows(read_sections(german)["bow"], "Grenzen")[0][2] == "Drehzahl [rpm]"
     # Headings of tables have German words, and names of the user stay.
