@@ -179,7 +179,7 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
                 axis.get_major_formatter(), FuncFormatter
             ):
                 names = [word(text.get_text()) for text in axis.get_ticklabels()]
-                axis.set_ticks(places.locs, names)
+                axis.set_ticks(axis.get_majorticklocs(), names)
     stream = BytesIO()
     lines = [line for panel in figure.axes for line in panel.lines]
     dense = sum(np.size(line.get_xdata()) for line in lines) > _DENSE_POINTS
