@@ -8,7 +8,7 @@ import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
-    from typing_extensions import Self
 
 #: Number of rows that `print` shows.
 PRINTED_ROWS = 12
@@ -341,12 +340,6 @@ class WithSpeeds:
                 inner._remember(unit)
         vars(self)["speed_unit"] = unit
 
-    def _replaced(self, **changes: Any) -> "Self":
-        """Copy this result with other fields; the unit of speeds is no field."""
-        found = replace(self, **changes)  # type: ignore[type-var]
-        found._remember(self.speed_unit)
-        return found
-
     def _speed_text(self, speeds: float | list[float] | Array) -> str:
         """Write a speed, several ones, or the ends of an array of speeds with their unit."""
         unit = shown_unit(self.speed_unit)
@@ -355,6 +348,9 @@ class WithSpeeds:
         if isinstance(speeds, np.ndarray):
             return f"{span(speed_factor(unit) * speeds)} {unit}"
         return speed_text(speeds, unit)
+
+
+_Speeds = TypeVar("_Speeds", bound=WithSpeeds)
 
 
 class Figured(Result):
@@ -390,3 +386,10 @@ class Figured(Result):
 
         with self._showing(speed_unit):
             return self._draw(ax)
+
+
+def replaced(result: _Speeds, **changes: Any) -> _Speeds:
+    """Copy a result with other fields; the unit of its speeds, which is no field, stays."""
+    found = replace(result, **changes)  # type: ignore[type-var]
+    found._remember(result.speed_unit)
+    return found

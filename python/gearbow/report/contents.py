@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._result import Column, in_micrometres, in_percent
+from gearbow._result import Column, in_micrometres, in_percent, replaced
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.layout import assumptions
 from gearbow.description.places import place_label
@@ -517,7 +517,8 @@ def _meaningful(found: BowLimits, shaft: Shaft) -> BowLimits:
     ends = ((one.outer_diameter, one.end_outer_diameter or 0.0) for one in segments_of(shaft))
     diameter = max(size for pair in ends for size in pair)
     why = say("above the diameter of the shaft, {diameter} mm", diameter=f"{1e3 * diameter:.4g}")
-    return found._replaced(
+    return replaced(
+        found,
         found=tuple(
             replace(one, bow=math.inf, why=why) if diameter < one.bow < math.inf else one
             for one in found.found
