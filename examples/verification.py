@@ -100,6 +100,48 @@ def friswell() -> Iterable[str]:
         yield row(source, quantity, published, [TAU * f for f in found], 2)
 
 
+def oil_film() -> Iterable[str]:
+    """Compare the coefficients of a short bearing.
+
+    Friswell et al., example 5.5.1, whose bearings are those of example 5.9.6, as quoted by the
+    tests of ROSS (ross/tests/test_bearing_seal_element.py). There, x is across the load.
+    """
+    bearing = gb.JournalBearing(
+        "shaft", 0.0, diameter=0.1, length=0.03, clearance=1e-4, viscosity=0.1
+    )
+    film = bearing.coefficients(load=525.0, speed=1500.0 * RPM)
+    source = "Friswell et al. 2010, examples 5.5.1 and 5.9.6: short bearings"
+    yield row(source, "eccentricity ratio", [0.266298], [film.eccentricity_ratio], 6)
+    stiffness = [12.80796, 16.393593, -25.060393, 8.815303]
+    found = (1e-6 * film.stiffness).ravel().tolist()
+    yield row(source, "stiffness xx, xy, yx, yy [MN/m]", stiffness, found, 4)
+    damping = [232.89693, -81.924371, -81.924371, 294.911619]
+    found = (1e-3 * film.damping).ravel().tolist()
+    yield row(source, "damping xx, xy, yx, yy [kN s/m]", damping, found, 3)
+
+
+def internal_damping() -> Iterable[str]:
+    """Compare the speeds from which internal damping makes a rotor unstable.
+
+    Zorzi and Nelson, Finite element simulation of rotor-bearing systems with internal damping
+    (1977), in the ANSYS verification manual as VM261.
+    """
+    shaft = gb.Shaft(
+        "shaft",
+        length=1.27,
+        outer_diameter=0.1016,
+        shear=False,
+        internal_damping=2e-4,
+        material=gb.Material(2.1e11, 7800.0, poisson_ratio=0.3),
+    )
+    bearings = [gb.Bearing("shaft", x, stiffness=1.75e7) for x in (0.0, 1.27)]
+    rotor = system(shafts=[shaft], bearings=bearings, motion="lateral")
+    campbell = rotor.campbell([50.0 * i for i in range(27)], count=4)
+    found = [one.speed / RPM for one in campbell.thresholds if one.above == "unstable"]
+    source = "beam with internal damping, Zorzi and Nelson, in ANSYS VM261"
+    yield row(source, "forward critical speeds, thresholds [rpm]", [5000.2, 10523.0], found, 1)
+
+
 def code_aster() -> Iterable[str]:
     """Compare a rotor with three disks on damped bearings.
 
@@ -267,7 +309,14 @@ def main() -> None:
     known = "measured" if measured else "published"
     print(f"| source | quantity | {known} | computed | largest difference |")
     print("|---|---|---|---|---|")
-    computed = (friswell, code_aster, turbine_generator, wind_turbine)
+    computed = (
+        friswell,
+        oil_film,
+        internal_damping,
+        code_aster,
+        turbine_generator,
+        wind_turbine,
+    )
     for rows in (flexible_rotor,) if measured else computed:
         for printed in rows():
             print(printed)

@@ -7,8 +7,8 @@ and `save` follow. A result of long series gives a summary there, and the series
 import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -350,6 +350,9 @@ class WithSpeeds:
         return speed_text(speeds, unit)
 
 
+_Speeds = TypeVar("_Speeds", bound=WithSpeeds)
+
+
 class Figured(Result):
     """Base of results that one figure shows."""
 
@@ -383,3 +386,10 @@ class Figured(Result):
 
         with self._showing(speed_unit):
             return self._draw(ax)
+
+
+def replaced(result: _Speeds, **changes: Any) -> _Speeds:
+    """Copy a result with other fields; the unit of its speeds, which is no field, stays."""
+    found = replace(result, **changes)  # type: ignore[type-var]
+    found._remember(result.speed_unit)
+    return found

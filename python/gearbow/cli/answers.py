@@ -26,7 +26,7 @@ from gearbow.cli.arguments import (
     spaced,
     speed_line,
 )
-from gearbow.cli.systems import read_options, read_system, refuse_options
+from gearbow.cli.systems import read_options, read_system, refuse_options, speed_of_file
 from gearbow.description.loads import Force, Torque
 from gearbow.description.places import is_pair, is_place, place_label
 from gearbow.description.sources import MeshExcitation, Source
@@ -121,9 +121,11 @@ def report(given: argparse.Namespace) -> Answer:
         given.first = type(given.last)(0.05 * given.last)
     speeds = None if given.last is None else spaced(given)
     same = ("modes", "endurance_limit", "tensile_strength", "language", "progress")
-    read_system(given).report(
+    system = read_system(given)
+    operating = speed_of_file(given) if given.speed is None else (given.speed[0], given.speed[-1])
+    system.report(
         out,
-        operating=None if given.speed is None else (given.speed[0], given.speed[-1]),
+        operating=operating,
         speeds=speeds,
         title=given.title or given.scene.stem,
         **_fields(given, *same, "company", "author", "document_number", "date"),

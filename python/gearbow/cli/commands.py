@@ -75,8 +75,8 @@ COMMANDS = (
         scene(),
         option(
             "--speed",
-            'operating speed, or the lowest and the highest, for example "1480 rpm"; '
-            "without it the report has standstill",
+            'operating speed, or the lowest and the highest, for example "1480 rpm"; default: '
+            "that of the load case of a REXS file; without any, the report has standstill",
             speed,
             nargs="+",
         ),

@@ -7,6 +7,7 @@ from typing import Any
 
 from gearbow.description.gears import Mesh
 from gearbow.errors import SceneError
+from gearbow.exchange.rexs import rexs_contents
 from gearbow.exchange.rexs_joints import CATALOGUE
 from gearbow.system.read import REXS, format_of, read
 from gearbow.system.rotor_system import RotorSystem
@@ -65,6 +66,15 @@ def read_system(given: argparse.Namespace) -> RotorSystem:
             where = "--list" if given.command == "import" else "gearbow import --list"
             text += f"; see {where}, and the options --load-case, --bearing and --coupling"
         raise SceneError(text) from None
+
+
+def speed_of_file(given: argparse.Namespace) -> float | None:
+    """Give the speed of the load case of a REXS file; None without one, and for other files."""
+    if format_of(given.scene) != REXS:
+        return None
+    cases = rexs_contents(given.scene).load_cases
+    wanted = [case for case in cases if given.load_case in (None, case.number)]
+    return wanted[0].speed if wanted else None
 
 
 def refuse_options(given: argparse.Namespace) -> None:

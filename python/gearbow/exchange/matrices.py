@@ -43,6 +43,8 @@ def read_matrix(path: Any, quantity: str) -> Any:
     # Products with indices beyond the matrix would read foreign memory.
     if hasattr(matrix, "check_format"):
         with parsing(file, "a file with a sparse matrix"):
+            if matrix.nnz < 0:  # SciPy then checks no further
+                raise ValueError(f"its last column ends at {matrix.nnz}")
             matrix.check_format(full_check=True)
     return matrix
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._result import Column, in_micrometres, in_percent
+from gearbow._result import Column, in_micrometres, in_percent, replaced
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.layout import assumptions
 from gearbow.description.places import place_label
@@ -151,7 +151,7 @@ def life(contents: Contents) -> Iterator[Block]:
         say(
             "Shortest basic rating life: {hours} h, bearing {bearing}.",
             hours=f"{first.hours:.4g}",
-            bearing=place_label(first.at),
+            bearing=word(place_label(first.at)),
         )
     )
 
@@ -230,7 +230,7 @@ def criticals(contents: Contents) -> Iterator[Block]:
     places = _largest(contents)
     close = 0
     for place in places:
-        peaks_at, at = _peaks(contents, place), place_label(place)
+        peaks_at, at = _peaks(contents, place), word(place_label(place))
         close += sum(peak.verdict in ("too close", "unstable") for peak in peaks_at)
         if len(peaks_at):
             yield Table.of_result(
@@ -382,7 +382,7 @@ def response(contents: Contents) -> Iterator[Block]:
         return
     curves, peaks = {}, {}
     for place in places:
-        own, label = _peaks(contents, place), place_label(place)
+        own, label = _peaks(contents, place), word(place_label(place))
         curves[label] = harmonic.Curve(found.speeds, own.amplitude, own.phase)
         peaks[label] = marks(own)
     figure = harmonic.bode(
@@ -494,7 +494,7 @@ def _meaningful(found: BowLimits, shaft: Shaft) -> BowLimits:
     ends = ((one.outer_diameter, one.end_outer_diameter or 0.0) for one in segments_of(shaft))
     diameter = max(size for pair in ends for size in pair)
     why = say("above the diameter of the shaft, {diameter} mm", diameter=f"{1e3 * diameter:.4g}")
-    return replace(
+    return replaced(
         found,
         found=tuple(
             replace(one, bow=math.inf, why=why) if diameter < one.bow < math.inf else one

@@ -62,7 +62,7 @@ def motion(contents: Contents) -> Iterator[Block]:
         yield Note(say("There is no mesh geometry: the system has no gears in mesh."))
     places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
     for few in _parts(places if lateral else [], _BEARINGS):
-        names = ", ".join(map(place_label, few))
+        names = ", ".join(word(place_label(place)) for place in few)
         figure = run.plot("bearings", few, times=times)
         yield picture(figure, say("Bearing forces: {names}.", names=names))
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _WORDED = (
     *("shaft", "whirl", "verdict", "within", "largest motion", "excited by", "limit", "why"),
     *("place", "at", "signal", "bearing", "side", "notch", "planes", "quantity", "largest order"),
-    "response",
+    *("response", "rating"),
 )
 #: Resolution of an image of pixels [1/in], 190 on paper.
 _RESOLUTION = 110
@@ -143,12 +143,22 @@ def picture(figure: "Figure", caption: str, *, space: dict[str, Any] | None = No
     """Make a picture of a figure of matplotlib, or of it and an interactive one in space."""
     with extra("report"):
         from matplotlib.text import Text  # noqa: PLC0415
+        from matplotlib.ticker import FixedLocator, FuncFormatter  # noqa: PLC0415
         from plotly.io.json import to_json_plotly  # noqa: PLC0415
 
         from gearbow.plotting.interactive import WIDTH, converted, write_png  # noqa: PLC0415
 
     for text in figure.findobj(Text) if language() != "en" else ():
         text.set_text(word(text.get_text()))
+    for panel in figure.axes if language() != "en" else ():
+        for axis in (panel.xaxis, panel.yaxis):
+            places = axis.get_major_locator()
+            # Names of ticks are written again at each drawing.
+            if isinstance(places, FixedLocator) and isinstance(
+                axis.get_major_formatter(), FuncFormatter
+            ):
+                names = [word(text.get_text()) for text in axis.get_ticklabels()]
+                axis.set_ticks(axis.get_majorticklocs(), names)
     stream = BytesIO()
     lines = [line for panel in figure.axes for line in panel.lines]
     dense = sum(np.size(line.get_xdata()) for line in lines) > _DENSE_POINTS

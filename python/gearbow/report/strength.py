@@ -76,8 +76,8 @@ def strength(contents: Contents) -> Iterator[Block]:
     values = {
         "shaft": shaft,
         "position": f"{1e3 * x:.4g}",
-        "amplitude": f"{1e-6 * found.amplitude[i]:.4g}",
-        "mean": f"{1e-6 * found.mean[i]:.4g}",
+        "amplitude": _written(found.amplitude[i], least),
+        "mean": _written(found.mean[i], least),
     }
     if not limited.any():
         text = say(
@@ -94,3 +94,8 @@ def strength(contents: Contents) -> Iterator[Block]:
         **values,
     )
     contents.find(text, warning=bool(found.utilisation[i] > 1.0))
+
+
+def _written(stress: float, least: float) -> str:
+    """Write a stress [Pa] in MPa; what is not above round-off is zero."""
+    return f"{1e-6 * stress if abs(stress) > least else 0.0:.4g}"

@@ -1,7 +1,7 @@
 """Linear response to what turns once with a shaft: amplitudes, phases, peaks and bearing forces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -10,7 +10,7 @@ from gearbow._convert import number, text
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._lookup import nodal, one_of
-from gearbow._result import Column, in_degrees, in_micrometres
+from gearbow._result import Column, in_degrees, in_micrometres, replaced
 from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Excitation, Plain, SynchronousFigure
 from gearbow.description.coordinates import Coordinates
@@ -264,7 +264,7 @@ class Synchronous(HarmonicResponse):
         """
         slow = number(speed, "speed")
         runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
-        return replace(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
+        return replaced(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
 
     @in_given_unit
     def peaks(

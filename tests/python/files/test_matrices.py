@@ -106,6 +106,10 @@ def test_errors_name_the_file_and_the_reason(tmp_path):
     bad = sparse.csc_matrix(MASS)
     bad.indices = np.array([0, 1, 1 << 20], dtype=np.int32)
     sparse.save_npz(tmp_path / "index.npz", bad)
+    # The last column ends before the first one begins.
+    negative = sparse.csc_matrix(MASS)
+    negative.indptr = np.array([0, 1, 2, -3], dtype=np.int32)
+    sparse.save_npz(tmp_path / "negative.npz", negative)
     for name, wanted in (
         ("two.npz", "one whose name begins with m; it has first, second"),
         ("objects.npy", r"is not a file of NumPy \(.npy\)"),
@@ -115,6 +119,7 @@ def test_errors_name_the_file_and_the_reason(tmp_path):
         ("complex.pch", "DMIG K: must be a square matrix of reals"),
         ("short.pch", "'x' is no number"),
         ("index.npz", "is not a file with a sparse matrix"),
+        ("negative.npz", "its last column ends at -3"),
     ):
         with pytest.raises(gb.SceneError, match=wanted) as caught:
             housing(tmp_path / name, STIFFNESS)

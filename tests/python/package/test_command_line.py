@@ -158,6 +158,21 @@ def test_report(scene: str, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPa
         assert err.startswith(f"report: {wrong[0]}: ")
 
 
+def test_a_report_is_at_the_speed_of_the_load_case(capsys, tmp_path: Path, monkeypatch):
+    written: list[dict] = []
+    monkeypatch.setattr(gb.RotorSystem, "report", lambda *_, **o: written.append(o))
+    path = Path(__file__).parents[1] / "files" / "gearbox.rexs"
+    other = ["--out", tmp_path / "train.html", "--bearing", "other=1e8 N/m"]
+    for options, speed in (
+        (["--load-case", 1], 1500.0),
+        (["--load-case", 2], 3000.0),
+        (["--load-case", 2, "--speed", "900 rpm"], (900.0, 900.0)),
+    ):
+        answer(capsys, "report", path, *options, *other)
+        assert np.asarray(written[-1]["operating"]) == pytest.approx(gb.rpm(np.array(speed)))
+        assert getattr(written[-1]["operating"], "speed_unit", "rpm") == "rpm"
+
+
 def test_demo(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch):
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", opened.append)

@@ -21,7 +21,7 @@ import pytest
 import gearbow as gb
 from gearbow.report import texts
 from gearbow.report.contents import SECTIONS, accuracy, bow, campbell, data
-from gearbow.report.page import parts_tables
+from gearbow.report.page import parts_tables, picture
 from gearbow.report.resonances import resonances
 from gearbow.report.shared import Contents, Options, table_range
 from gearbow.report.strength import strength
@@ -660,8 +660,11 @@ def test_every_sentence_has_a_german_one():
 def test_a_german_report(tmp_path):
     shaft = gb.Shaft("disk shaft", length=0.4, outer_diameter=0.03)
     disk = gb.Disk("mesh", "disk shaft", 0.2, 5.0, 0.01, 0.02, unbalance=1e-5)
-    bearings = [gb.Bearing("disk shaft", at, stiffness=1e7, damping=1e3) for at in (0, 0.4)]
-    rotor = gb.RotorSystem([shaft], disks=[disk], bearings=bearings)
+    rating = {"dynamic_rating": 3e4, "static_rating": 2e4}
+    bearings = [
+        gb.Bearing("disk shaft", at, stiffness=1e7, damping=1e3, **rating) for at in (0, 0.4)
+    ]
+    rotor = gb.RotorSystem([shaft], disks=[disk], bearings=bearings, gravity=(0.0, -9.81))
     options = {"operating": gb.rpm(3000.0), "modes": 3, "speeds": np.linspace(50.0, 500.0, 9)}
     german = written(
         rotor, tmp_path, language="de", company="Ä & Söhne", document_number="4711", **options
@@ -686,6 +689,16 @@ def test_a_german_report(tmp_path):
         "Torsion",
         "starr",
     }
+    head, first, _ = rows(read_sections(german)["life"], "Lebensdauer der Lager")
+    assert head[:3] == ["Lager", "Radialkraft [N]", "P [N]"]
+    assert (first[0], first[4]) == ("disk shaft bei 0 m", "gegeben")
+    assert "Lager disk shaft bei 0 m." in read_sections(german)["summary"]
+    assert "enthalten: Schmierung und Verunreinigung" in read_sections(german)["life"]
+    accuracy_ = read_sections(german)["accuracy"]
+    assert "Freiheitsgrade.</p>" in accuracy_
+    assert "Stufe Engineering: erwarteter" in accuracy_
+    # Bows that are no limits leave the unit of the speed.
+    assert rows(read_sections(german)["bow"], "Grenzen")[0][2] == "Drehzahl [rpm]"
     # Headings of tables have German words, and names of the user stay.
     words = texts.german()["words"]
     texts_of = re.sub(r"<(script|style|pre).*?</\1>|<img[^>]*>", "", page, flags=re.DOTALL)
@@ -696,6 +709,24 @@ def test_a_german_report(tmp_path):
     # Numbers have the digits of the English page.
     frequencies = rotor.modes(gb.rpm(3000.0), count=len(found)).frequencies_hz
     assert [row[1] for row in found] == [f"{one:.3f}" for one in frequencies]
+
+
+def test_a_german_figure_has_german_names_of_ticks():
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("plotly")
+    figure = rated(hostile()).bearing_life(gb.rpm(900.0)).plot()
+    with texts.speaking("de", ()):
+        picture(figure, "")
+    figure.canvas.draw()
+    (panel,) = figure.axes
+    assert panel.get_xlabel() == "Lebensdauer [h]"
+    labels = [label.get_text() for label in panel.get_yticklabels()]
+    assert all(" bei " in label for label in labels), labels
+
+
+def test_a_result_with_other_fields_keeps_its_unit_of_speed():
+    found = rated(hostile()).synchronous(gb.rpm(np.array([900.0, 950.0])))
+    assert found.subtract_slow_roll(gb.rpm(100.0)).speed_unit == "rpm"
 
 
 def test_elements_for_the_limits_of_all_bows_are_chosen_once(monkeypatch):
