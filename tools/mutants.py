@@ -321,7 +321,7 @@ NO_EXPRESSIONS = {
 
 @dataclass(frozen=True)
 class RustMutant:
-    """A changed operator of the Rust core: bytes of its expression and of its operator in a file."""
+    """A changed operator of the Rust core: the bytes of its expression and of itself in a file."""
 
     file: str
     expression: tuple[int, int]
