@@ -11,7 +11,7 @@ import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
 from gearbow.description.layout import Order
 from gearbow.orders import Kinematics, spectrum
-from gearbow.orders.separation import cut, fit
+from gearbow.orders.separation import SignalSegment, cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.recording.record import SECTION_FORCES
 from gearbow.system import response_sensitivity
@@ -266,6 +266,14 @@ def test_amplitudes_of_a_segment_are_those_of_its_middle():
         assert found.amplitudes[:, j] == pytest.approx(of(centres), rel=1e-9)
 
 
+def test_the_window_of_a_record_ends_at_its_ends():
+    turns = np.linspace(3.7, 8.2, 101)
+    window = SignalSegment(5.95, turns, turns).window
+    assert window == pytest.approx(window[::-1], abs=1e-15)
+    assert window[0] == pytest.approx(0.0, abs=1e-15)
+    assert (window.sum(), window.argmax()) == (pytest.approx(1.0), 50)
+
+
 def test_higher_harmonics_of_a_run_up_are_found():
     found = run_up(step=1e-4, end=150.0, a=(25.0, 1e-6), b=(125.0, 3e-7)).orders("g1", "y")
     assert found.track("5× mesh g1–g2") == pytest.approx(3e-7, rel=1e-6)
@@ -453,6 +461,15 @@ def test_a_waterfall_has_a_ridge_along_each_order():
     np.testing.assert_allclose(peaks, result.speeds / (2 * np.pi), atol=0.51)
     panel = result.plot().axes[0]
     assert "1× input" in {text.get_text() for text in panel.texts}
+    # white lines at the frequencies of the orders, from the lowest to the highest speed
+    lines = [line for line in panel.lines if line.get_color() == "white"]
+    assert lines
+    for line in lines:
+        path = line.get_xydata()
+        assert (path[0, 1], path[-1, 1]) == pytest.approx(panel.get_ylim())
+        seen = path[np.isfinite(path[:, 0])]
+        order = seen[:, 0] * 2.0 * np.pi / seen[:, 1]
+        assert order == pytest.approx(np.full(order.size, order.mean()), rel=1e-9)
     with pytest.raises(gb.GearbowError, match="different frequencies"):
         gb.waterfall([runs[0], system.simulate(0.5, 50.0, output_step=1e-3)], "g1")
     with pytest.raises(

@@ -137,6 +137,13 @@ def check_tables(page: Path, system: gb.RotorSystem, speed: float) -> None:
         assert np.abs(printed - value).min() < 6e-4
     for row in found:
         assert np.abs(values.imag / (2.0 * np.pi) - float(row[1])).min() < 6e-4
+    _, *decaying = rows(sections["stability"], "Logarithmic decrement")
+    assert len(decaying) >= 4
+    for row in decaying:
+        near = values[np.abs(values.imag / (2.0 * np.pi) - float(row[1])).argmin()]
+        # the logarithm of the ratio of amplitudes one period apart
+        decrement = -2.0 * np.pi * near.real / near.imag
+        assert float(row[2]) == pytest.approx(decrement, rel=1e-3)
     torque, power = system.torques[0].value, {}
     ratios = dict(zip([shaft.name for shaft in system.shafts], system.speed_ratios, strict=True))
     gears = {gear.name: gear for gear in system.gears}
@@ -599,6 +606,10 @@ def test_modes_have_one_numbering():
     table = next(block for block in campbell(contents) if getattr(block, "kind", "") == "table")
     assert {int(row[4]) for row in table.rows} <= set(numbers)
     assert min(numbers) == 2
+    assert diagram.eigenvalues.shape == (diagram.speeds.size, 4)
+    # half as many modes would end below the tooth frequencies
+    found = contents.modes.frequencies_hz
+    assert found.max() > contents.excited > found[: found.size // 2].max()
 
 
 def sentences() -> set[str]:
