@@ -327,6 +327,7 @@ class RustMutant:
     expression: tuple[int, int]
     operator: tuple[int, int]
     new: str
+    name: str
 
     def texts(self, source: bytes) -> tuple[str, str]:
         """Return the expression of a file as it is, and as the mutant has it."""
@@ -334,31 +335,26 @@ class RustMutant:
         changed = source[begin:first] + self.new.encode() + source[last:end]
         return source[begin:end].decode(), changed.decode().replace("\n", " ")
 
-    @property
-    def name(self) -> str:
-        """File, line, and both operators with their expression."""
-        source = (COPY / self.file).read_bytes()
-        line = source[: self.operator[0]].count(b"\n") + 1
-        old = source[slice(*self.operator)].decode()
-        text = " ".join(self.texts(source)[0].split())
-        return f"{self.file}:{line}: {old} becomes {self.new or 'nothing'} in {text}"
-
 
 def operators_of(file: str, source: bytes, node: Node) -> Iterator[RustMutant]:
     """Find the operators of a syntax tree that a variable can switch to another one."""
     modifiers = [child.text for child in node.children if child.type == "function_modifiers"]
     if node.type in NO_EXPRESSIONS or any(b"const" in (text or b"") for text in modifiers):
         return
-    expression = (node.start_byte, node.end_byte)
-    if b"//" not in source[slice(*expression)]:
-        operator, changes = None, ()
-        if node.type in ("binary_expression", "compound_assignment_expr"):
-            operator = node.child_by_field_name("operator")
-            changes = SWAPS.get(operator.type, ()) if operator else ()
-        elif node.type == "unary_expression" and node.children[0].type in "-!":
-            operator, changes = node.children[0], ("",)
+    begin, end = node.start_byte, node.end_byte
+    operator: Any = None
+    changes: tuple[str, ...] = ()
+    if node.type in ("binary_expression", "compound_assignment_expr"):
+        operator = node.child_by_field_name("operator")
+        changes = SWAPS.get(operator.type, ())
+    elif node.type == "unary_expression" and node.children[0].type in "-!":
+        operator, changes = node.children[0], ("",)
+    if b"//" not in source[begin:end]:
+        line, text = node.start_point[0] + 1, " ".join(source[begin:end].decode().split())
         for new in changes:
-            yield RustMutant(file, expression, (operator.start_byte, operator.end_byte), new)
+            name = f"{file}:{line}: {operator.type} becomes {new or 'nothing'} in {text}"
+            place = (operator.start_byte, operator.end_byte)
+            yield RustMutant(file, (begin, end), place, new, name)
     for child in node.children:
         yield from operators_of(file, source, child)
 
