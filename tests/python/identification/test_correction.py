@@ -101,9 +101,7 @@ def test_trial_runs_give_the_influence_of_the_model_beside_their_own():
         ),
     ]
     found = gb.identify(unbent(bent), measured, WANTED, runout=False, noise=MICRON)
-    corrected = found.balance("g1", AT)
-    assert "trials=" not in repr(corrected)
-    trials = corrected.trials
+    trials = found.balance("g1", AT).trials
     assert trials.planes == ("g1",) * 9
     np.testing.assert_allclose(trials.speeds, np.repeat(1.005 * SPEEDS[:3], 3))
     np.testing.assert_allclose(trials.half_widths, found.factor * np.sqrt(2) * MICRON / 3e-4)
