@@ -85,7 +85,7 @@ fuzz: $(VENV)/.dev
 	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/files/test_rexs.py tests/python/files/test_damaged_files.py \
 		tests/python/runs/test_random_run_up.py -k "every"
 
-# Takes hours on two cores and needs cargo-mutants. All mutants of the core are compiled into one program.
+# Takes hours on two cores. All mutants of the core are compiled into one program.
 mutants: $(VENV)/.mutants
 	$(BIN)/python tools/mutants.py --seed 1
 

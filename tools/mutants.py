@@ -2,15 +2,16 @@
 
     python tools/mutants.py [--python 150] [--rust 60] [--seed 1] [--left-out PART ...]
 
-The mutants are drawn at random from those of cosmic-ray (Python) and of `cargo mutants` (Rust); a
-Python mutant that changes only annotations, docstrings or `__all__` is not drawn. All work happens
-in a copy of the repository in target/mutants. A Python mutant runs the tests that execute its line,
-the shortest first, until one fails; a run of each file of tests with coverage finds them. All Rust
-mutants are compiled into one program, and the environment variable GEARBOW_MUTANT switches one of
-them on; a mutant runs the Python tests of `TESTS_OF`, then the Rust tests, which are slower. The
-script prints each mutant that no test catches, and the share of caught mutants with its standard
-deviation. It keeps coverage and fates in target/mutant-results: a call that was interrupted goes on
-where it ended, and a file of tests that did not change keeps its coverage.
+The mutants are drawn at random from those of cosmic-ray (Python) and from the operators of the Rust
+core (`SWAPS`); a Python mutant that changes only annotations, docstrings or `__all__` is not drawn.
+All work happens in a copy of the repository in target/mutants. A Python mutant runs the tests that
+execute its line, the shortest first, until one fails; a run of each file of tests with coverage
+finds them. All Rust mutants are compiled into one program, and the environment variable
+GEARBOW_MUTANT switches one of them on; a mutant runs the Python tests of `TESTS_OF`, then the Rust
+tests, which are slower. The script prints each mutant that no test catches, and the share of caught
+mutants with its standard deviation. It keeps coverage and fates in target/mutant-results: a call
+that was interrupted goes on where it ended, and a file of tests that did not change keeps its
+coverage.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ import subprocess
 import sys
 from collections import defaultdict
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import ceil, inf, sqrt
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 import tree_sitter_rust
@@ -38,7 +39,10 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator, operator_names
 from coverage import CoverageData
-from tree_sitter import Language, Parser, Tree
+from tree_sitter import Language, Node, Parser
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 COPY = Path("target/mutants")
 #: Coverage of the files of tests, and fates of mutants.
@@ -55,6 +59,8 @@ pub(crate) fn is_active(mutant: u32) -> bool {
     *ACTIVE == Some(mutant)
 }
 """
+#: Drawn Rust mutants for each wanted one: a few do not compile.
+SPARE = 1.2
 #: Parts of the names of operators that nearly every test catches: they change the type of a value.
 CRUDE = ("Shift", "Bit", "Decorator", "Variable", "Invert", "Exception", "_Is", "Mod", "FloorDiv")
 #: Patterns of the Python tests of a folder of the Rust core.
@@ -287,82 +293,86 @@ def python_mutants(count: int, chance: random.Random, left_out: list[str]) -> li
     return survivors
 
 
+#: What replaces a Rust operator.
+SWAPS = {
+    "+": ("-", "*"),
+    "-": ("+", "*"),
+    "*": ("+", "/"),
+    "/": ("*", "+"),
+    "<": ("<=", ">"),
+    "<=": ("<", ">"),
+    ">": (">=", "<"),
+    ">=": (">", "<"),
+    "==": ("!=",),
+    "!=": ("==",),
+    "&&": ("||",),
+    "||": ("&&",),
+    "+=": ("-=",),
+    "-=": ("+=",),
+    "*=": ("/=",),
+    "/=": ("*=",),
+}
+#: Syntax without a run-time expression that a switch could replace, and modules of tests.
+NO_EXPRESSIONS = {
+    *("array_type", "attribute_item", "const_block", "const_item", "macro_invocation", "mod_item"),
+    *("static_item", "token_tree", "type_arguments"),
+}
+
+
 @dataclass(frozen=True)
 class RustMutant:
-    """A mutant of the Rust core, as a place in a file and the text there that both programs share.
-
-    Parameters
-    ----------
-    file : str
-        Path of the file in the repository.
-    start, end : int
-        First byte of the text that is replaced, and the byte after it.
-    text : str
-        Text with `{active}` where the condition of the mutant belongs.
-    name : str
-        Description by cargo-mutants.
-    """
+    """A changed operator of the Rust core: the bytes of its expression and of itself in a file."""
 
     file: str
-    start: int
-    end: int
-    text: str
+    expression: tuple[int, int]
+    operator: tuple[int, int]
+    new: str
     name: str
 
+    def texts(self, source: bytes) -> tuple[str, str]:
+        """Return the expression of a file as it is, and as the mutant has it."""
+        (begin, end), (first, last) = self.expression, self.operator
+        changed = source[begin:first] + self.new.encode() + source[last:end]
+        return source[begin:end].decode(), changed.decode().replace("\n", " ")
 
-def rust_mutant(listed: dict[str, Any], source: bytes, tree: Tree) -> RustMutant | None:
-    """Return a mutant that a variable can switch on, or none for a genre without an expression."""
-    place, new = listed["span"], listed["replacement"]
-    start = (place["start"]["line"] - 1, place["start"]["column"] - 1)
-    end = (place["end"]["line"] - 1, place["end"]["column"] - 1)
-    node = tree.root_node.descendant_for_point_range(start, end)
-    genre = listed["genre"]
-    if genre == "FnValue":
-        while node and node.type != "function_item":
-            node = node.parent
-        body = node and node.child_by_field_name("body")
-        if not body:
-            return None
-        first = body.start_byte + 1
-        return RustMutant(
-            listed["file"], first, first, f" if {{active}} {{{{ return {new}; }}}}", listed["name"]
-        )
-    if genre in ("BinaryOperator", "UnaryOperator"):
-        node = node and node.parent
-    elif genre != "MatchArmGuard":
-        return None
-    if not node:
-        return None
-    old = source[node.start_byte : node.end_byte]
-    if b"//" in old:
-        return None
-    if genre == "MatchArmGuard":
-        changed = new.encode()
-    else:
-        operator = node.children[0 if genre == "UnaryOperator" else 1]
-        first, last = operator.start_byte - node.start_byte, operator.end_byte - node.start_byte
-        changed = old[:first] + new.encode() + old[last:]
-    keep, change = (text.decode().replace("{", "{{").replace("}", "}}") for text in (old, changed))
-    change = change.replace("\n", " ")
-    text = f"(if {{active}} {{{{ {change} }}}} else {{{{ {keep} }}}})"
-    return RustMutant(listed["file"], node.start_byte, node.end_byte, text, listed["name"])
+
+def operators_of(file: str, source: bytes, node: Node) -> Iterator[RustMutant]:
+    """Find the operators of a syntax tree that a variable can switch to another one."""
+    modifiers = [child.text for child in node.children if child.type == "function_modifiers"]
+    if node.type in NO_EXPRESSIONS or any(b"const" in (text or b"") for text in modifiers):
+        return
+    begin, end = node.start_byte, node.end_byte
+    operator: Any = None
+    changes: tuple[str, ...] = ()
+    if node.type in ("binary_expression", "compound_assignment_expr"):
+        operator = node.child_by_field_name("operator")
+        changes = SWAPS.get(operator.type, ())
+    elif node.type == "unary_expression" and node.children[0].type in "-!":
+        operator, changes = node.children[0], ("",)
+    if b"//" not in source[begin:end]:
+        line, text = node.start_point[0] + 1, " ".join(source[begin:end].decode().split())
+        for new in changes:
+            name = f"{file}:{line}: {operator.type} becomes {new or 'nothing'} in {text}"
+            place = (operator.start_byte, operator.end_byte)
+            yield RustMutant(file, (begin, end), place, new, name)
+    for child in node.children:
+        yield from operators_of(file, source, child)
 
 
 def draw_rust(count: int, chance: random.Random, left_out: list[str]) -> list[RustMutant]:
     """Draw mutants of the Rust core that do not overlap."""
-    listed = subprocess.run(
-        ["cargo", "mutants", "--list", "--json"], cwd=COPY, check=True, capture_output=True
-    )
-    mutants = [m for m in json.loads(listed.stdout) if not any(p in m["file"] for p in left_out)]
-    chance.shuffle(mutants)
     parser = Parser(Language(tree_sitter_rust.language()))
+    mutants: list[RustMutant] = []
+    for path in sorted((COPY / "src").rglob("*.rs")):
+        file, source = str(path.relative_to(COPY)), path.read_bytes()
+        if not any(part in file for part in [*left_out, "test"]):
+            mutants += operators_of(file, source, parser.parse(source).root_node)
+    chance.shuffle(mutants)
     drawn: list[RustMutant] = []
-    while len(drawn) < count:
-        found = mutants.pop()
-        source = (COPY / found["file"]).read_bytes()
-        mutant = rust_mutant(found, source, parser.parse(source))
-        if mutant and not any(
-            other.file == mutant.file and mutant.start < other.end and other.start < mutant.end
+    for mutant in mutants:
+        begin, end = mutant.expression
+        if len(drawn) < count and not any(
+            other.file == mutant.file and begin < other.expression[1] and other.expression[0] < end
             for other in drawn
         ):
             drawn.append(mutant)
@@ -374,11 +384,12 @@ def write_rust(mutants: dict[int, RustMutant]) -> None:
     subprocess.run(["git", "checkout", "--quiet", "src"], cwd=COPY, check=True)
     library = COPY / "src/lib.rs"
     library.write_text(library.read_text(encoding="utf-8") + SWITCH, encoding="utf-8")
-    for number, mutant in sorted(mutants.items(), key=lambda item: -item[1].start):
+    for number, mutant in sorted(mutants.items(), key=lambda item: -item[1].expression[0]):
         path = COPY / mutant.file
-        source = path.read_bytes()
-        text = mutant.text.format(active=f"crate::is_active({number})").encode()
-        path.write_bytes(source[: mutant.start] + text + source[mutant.end :])
+        source, (begin, end) = path.read_bytes(), mutant.expression
+        keep, change = mutant.texts(source)
+        text = f"(if crate::is_active({number}) {{ {change} }} else {{ {keep} }})"
+        path.write_bytes(source[:begin] + text.encode() + source[end:])
 
 
 def compile_rust(mutants: list[RustMutant]) -> dict[int, RustMutant]:
@@ -418,8 +429,8 @@ def compile_rust(mutants: list[RustMutant]) -> dict[int, RustMutant]:
             source = subprocess.run(
                 ["git", "show", f"HEAD:{mutant.file}"], cwd=COPY, capture_output=True, check=True
             ).stdout
-            first = source[: mutant.start].count(b"\n") + 1
-            last = source[: mutant.end].count(b"\n") + 1
+            begin, end = mutant.expression
+            first, last = (source[:place].count(b"\n") + 1 for place in (begin, end))
             if any((mutant.file, line) in places for line in range(first, last + 1)):
                 wrong.append(number)
         if not wrong:
@@ -433,8 +444,7 @@ def rust_mutants(count: int, chance: random.Random, left_out: list[str]) -> list
     survivors: list[str] = []
     if not count:
         return survivors
-    # About one of three does not compile.
-    kept = compile_rust(draw_rust(2 * count, chance, left_out))
+    kept = compile_rust(draw_rust(ceil(SPARE * count), chance, left_out))
     if not (cargo("test", "--no-run") and build() and cargo("test")):
         raise SystemExit("The program fails without any change: mend it first.")
     fates = Fates("rust", git("rev-parse", "HEAD"))
@@ -474,9 +484,8 @@ def main() -> None:
     git("checkout", "--quiet", ".")
     if not build():
         raise SystemExit("The extension does not compile.")
-    chance = random.Random(given.seed)
-    missed = python_mutants(given.python, chance, given.left_out)
-    missed += rust_mutants(given.rust, chance, given.left_out)
+    missed = python_mutants(given.python, random.Random(given.seed), given.left_out)
+    missed += rust_mutants(given.rust, random.Random(given.seed), given.left_out)
     count = given.python + given.rust
     share = 1.0 - len(missed) / count
     deviation = sqrt(share * (1.0 - share) / count)

@@ -241,7 +241,7 @@ def _number(value: Any, kind: Any, at: str) -> float:
     if isinstance(value, bool) or not number:
         inner = ""
         if dataclasses.is_dataclass(value):
-            own = (field.name for field in dataclasses.fields(value) if field.name != "_")
+            own = (field.name for field in dataclasses.fields(value))
             inner = f"; continue with one of {', '.join(f'.{name}' for name in own)}"
         elif isinstance(value, Mapping):
             inner = f"; continue with one of {', '.join(f'[{key!r}]' for key in value)}"

@@ -518,6 +518,20 @@ def test_spectrum_is_the_sum_of_palmgren_and_miner():
     np.testing.assert_allclose(alone.hours, single[0].hours, rtol=1e-9)
 
 
+def test_a_table_has_the_columns_of_the_forces_that_act():
+    life = rated(hostile()).bearing_life(-SPEED)
+    head = {column.name: column for column in life._columns()}
+    # every bearing of the spur gears carries a radial force only
+    plain = {column.name for column in geared(torque=250.0).bearing_life(SPEED)._columns()}
+    assert "radial force" in plain
+    assert "axial force" not in plain
+    for name, column in head.items():
+        if name.endswith(" force"):
+            own = [getattr(one, name.replace(" ", "_")) for one in life.bearings]
+            assert list(column.values) == own
+    assert {"radial force", "axial force"} <= set(head)
+
+
 def test_standstill_uses_up_no_life():
     system = geared(torque=250.0)
     running = system.bearing_life(SPEED)

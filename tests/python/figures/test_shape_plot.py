@@ -10,7 +10,7 @@ from gearbow._lookup import nodal
 from gearbow.description.layout import layout, reference_radius
 from gearbow.description.train import Train
 from gearbow.plotting.shapes import _at_maximum, _lever, _ring, refined
-from reference.machines import stepped_rotor
+from reference.machines import pair_on_housing, stepped_rotor
 
 
 def test_a_circle_moves_like_a_cross_section():
@@ -135,3 +135,15 @@ def test_a_shaft_of_one_element_is_drawn_bent():
     (axes,) = modes.plot(1).axes
     mark = np.array(axes.get_lines()[1].get_data_3d())
     assert np.ptp(mark[1:], axis=1).max() > 0.05
+
+
+def test_bases_reach_the_shafts_at_their_bearings():
+    # from the centre of a housing or support at rest to the lower side of each shaft
+    lines = pair_on_housing().modes(count=2).plot(1).axes[0].lines
+    ends = {
+        tuple(np.round([values[-1] for values in line.get_data_3d()], 9))
+        for line in lines
+        if line.get_color() == "0.6"
+    }
+    low = ((0.0, -0.025), (0.1125, -0.03))
+    assert {(x, *place) for place in low for x in (0.0, 0.4)} <= ends

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import runpy
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 from matplotlib.transforms import Bbox
 
 import gearbow as gb
 from gearbow.description.train import Train
+from gearbow.plotting import symbols
 from gearbow.plotting.labels import Labels
 from gearbow.plotting.symbols import developed
 from gearbow.plotting.views import line_of_action
@@ -319,6 +322,26 @@ def test_all_shapes_of_a_bow_are_drawn():
     assert gb.RotorSystem([straight], bearings=at_ends([straight], stiffness=1e8)).plot().axes[
         0
     ].get_title() == ("side view")
+
+
+KINDS_OF_BEARINGS = ("bearing", "journal bearing", "ball bearing", "roller bearing")
+SYMBOLS: dict[str, Any] = {
+    "ground": symbols.ground,
+    "support": symbols.support,
+    "coupling": lambda panel, x, y, point: symbols.coupling(panel, x, y, 0.5, point),
+    **{kind: partial(symbols.bearing, kind=kind) for kind in KINDS_OF_BEARINGS},
+}
+
+
+@pytest.mark.parametrize("name", SYMBOLS)
+def test_the_box_of_a_symbol_encloses_it(name: str):
+    panel = Figure().subplots()
+    box = SYMBOLS[name](panel, x=3.0, y=2.0, point=0.1)
+    drawn = panel.dataLim.extents
+    assert np.all(np.array(box[:2]) <= drawn[:2] + 1e-12)
+    assert np.all(np.array(box[2:]) >= drawn[2:] - 1e-12)
+    # and hardly more, so that names stand close to it
+    assert np.all(np.subtract(box[2:], box[:2]) <= 1.3 * (drawn[2:] - drawn[:2]))
 
 
 def test_the_legend_lists_the_symbols():

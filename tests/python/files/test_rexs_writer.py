@@ -1,6 +1,7 @@
 """REXS files that gearbow writes: what is read again is the machine without what the file leaves out."""
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 import gearbow as gb
 from gearbow.cli.main import main
 from gearbow.exchange.rexs import read_system
+from reference.machines import BETWEEN, hostile
 
 #: Machines that REXS cannot hold, with the part that it cannot.
 REFUSED = {
@@ -132,3 +134,30 @@ def test_a_stiffness_with_cross_coupling_is_that_of_the_operating_point(tmp_path
     found = gb.RotorSystem.read_rexs(path)
     # Both axes of the reference shaft turn with it.
     np.testing.assert_allclose(found.bearings[1].stiffness, stiffness, rtol=1e-12)
+
+
+def test_loads_are_read_again(tmp_path: Path):
+    # the default machine with bearings on the ground that are equal at all speeds
+    train = hostile()
+    iron = gb.Material(1.7e11, 7300.0, shear_modulus=6.5e10)
+    shafts = [replace(one, material=iron) if one.name == "middle" else one for one in train.shafts]
+    plain = {"stiffness": 1.2e8, "damping": 0.0, "support": None}
+    *others, table, between = train.bearings
+    bearings = [*others, replace(table, **plain), replace(between, **plain)]
+    forces = [gb.Force("g4", 300.0 - 500.0j, axial=-120.0), gb.Force(BETWEEN, 40.0 + 70.0j)]
+    system = train.replace(shafts=shafts, bearings=bearings, forces=forces)
+    path = tmp_path / "loads.rexs"
+    left = written(system, path)
+    assert "forces" not in {field.partition(".")[0] for field in left}
+    again = gb.read(path)
+    given, read = (
+        {(one.value.real, one.value.imag, one.axial) for one in each.forces}
+        for each in (system, again)
+    )
+    assert read == given
+    speed = -SPEED
+    expected, found = (each.static(speed) for each in (system, again))
+    for bearing in system.bearings:
+        at = (bearing.shaft, bearing.position)
+        # decimal numbers of 17 digits, and an equilibrium that is found to 1e-6 of the loads
+        np.testing.assert_allclose(found.bearing_force(at), expected.bearing_force(at), rtol=1e-5)

@@ -136,6 +136,36 @@ def test_directions_of_universal_files_have_numbers_and_signs(response, tmp_path
             np.testing.assert_allclose(curve.values, moved[:, 0, 0], rtol=1e-6, atol=atol)
 
 
+def test_a_universal_file_has_the_function_of_one_newton_along_each_force(tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    # direction and size of the reference; an oblique force has no direction
+    forces = {
+        (-2, 3.0): gb.Force("g4", -3.0),
+        (-3, 4.0): gb.Force("g4", -4.0j),
+        (-1, 2.0): gb.Force("g4", axial=-2.0),
+        (2, 3.0j): gb.Force("g4", (3.0j, 0.0)),
+        (0, 5.0): gb.Force("g4", 3.0 - 4.0j),
+    }
+    found = hostile().frequency_response(FREQUENCIES[:3], source=list(forces.values()), speed=-70.0)
+    found.save(tmp_path / "frf.uff", at=BETWEEN)
+    sets = [each for each in pyuff.UFF(str(tmp_path / "frf.uff")).read_sets() if each["type"] == 58]
+    moved = found.displacement(BETWEEN)
+    for source, (direction, size) in enumerate(forces):
+        for axis in range(2):
+            (own,) = [
+                each
+                for each in sets
+                if (each["ref_node"], each["rsp_dir"]) == (source + 1, axis + 2)
+            ]
+            assert own["ref_dir"] == direction
+            expected = moved[:, source, axis] / size
+            # the file has 7 digits
+            atol = 1e-6 * np.abs(expected).max()
+            np.testing.assert_allclose(own["data"], expected, rtol=1e-6, atol=atol)
+    # what is read again are the phasors of the forces themselves
+    assert found.compare(tmp_path / "frf.uff").frac == pytest.approx(1.0, abs=1e-9)
+
+
 def test_a_measured_response_is_compared(response, tmp_path):
     acceleration = response.acceleration(BETWEEN)[:, 0]
     parts = [f"middle@0.2137 {axis} {part} [m/s²]" for axis in "yz" for part in ("re", "im")]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow.results.campbell import unstable_ranges
 from reference.machines import inertia, rigid_rotor
 
 STIFFNESS, DAMPING, SLOPE = 1e6, 500.0, 1e3  # N/m, N s/m, N s/m of each seal
@@ -75,6 +76,14 @@ def test_speeds_that_are_unstable_throughout_have_no_threshold():
     diagram = on_seals(matrix(3e5)).campbell([100.0, 200.0], count=2)
     assert diagram.thresholds == ()
     assert diagram.unstable_ranges == ((100.0, 200.0),)
+
+
+def test_growth_below_the_round_off_of_a_mode_is_no_instability():
+    # 1e-6 of the eigenvalue: the growth of the second mode is below, that of the third above it
+    values = np.tile([-1.0 + 1e4j, 9e-3 + 1e4j, 11e-3 + 1e4j], (3, 1))
+    speeds = np.array([10.0, 20.0, 40.0])
+    assert unstable_ranges(speeds, values[:, :2], ()) == ()
+    assert unstable_ranges(speeds, values, ()) == ((10.0, 40.0),)
 
 
 def test_no_mode_of_a_passive_system_has_a_threshold():

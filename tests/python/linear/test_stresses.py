@@ -103,12 +103,13 @@ def test_sleeves_carry_their_share() -> None:
     assert found.bending[_at(found, 0.5), 1] == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("speed", [90.0, -90.0])
+@pytest.mark.parametrize("speed", [150.0, -150.0])
 def test_bow_and_unbalance_are_means_and_weight_alternates(speed: float) -> None:
     """Tones of the linear analysis beside the extremes of a recorded run, with orbits of an ellipse."""
     shaft = {"bow": gb.Bow.half_sine(2e-4, 0.4), "elements": 5}
     disk = {**machines.inertia(12.0, 0.05, 0.09), "unbalance": 3e-4 * np.exp(0.3j), "position": 0.3}
-    bearing = {"stiffness": (3e6, 9e6), "damping": 800.0}
+    # so soft along y that the orbit is an ellipse with a backward part
+    bearing = {"stiffness": (6e5, 9e6), "damping": 800.0}
     system = machines.rotor(shaft, disk, bearing, gravity=9.81)
     options: Any = {"endurance_limit": 2e8, "tensile_strength": 6e8}
     linear = system.stresses(speed, **options)

@@ -13,7 +13,7 @@ import gearbow as gb
 from reference.bows import HalfSine
 from reference.cases import each_case
 from reference.friction import FrictionLaw, helical_loss, ohlendorf
-from reference.machines import double_stage, helical_pair, pair
+from reference.machines import helical_pair, hostile, pair
 from reference.teeth import Equations, Toothed, integrate
 
 MESH = ("pinion", "wheel")
@@ -361,22 +361,26 @@ def test_coefficient_of_lubricated_helical_gears(helix: float):
     assert found.coefficient[0, 0] == pytest.approx(expected, rel=1e-9)
 
 
-def test_efficiency_of_two_stages_adds_their_losses():
-    system = double_stage()
-    first, second = (
-        replace(mesh, friction=mu(c)) for mesh, c in zip(system.meshes, (0.05, 0.08), strict=True)
-    )
-    found = system.replace(meshes=[first, second]).efficiency([50.0, 100.0])
-    assert found.loss.shape == (2, 2)
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_efficiency_of_several_stages_adds_their_losses(sense: float):
+    system = hostile()
+    rough = [
+        replace(mesh, friction=mu(c))
+        for mesh, c in zip(system.meshes, (0.05, 0.08, 0.06), strict=True)
+    ]
+    found = system.replace(meshes=rough).efficiency([sense * 50.0, sense * 100.0])
+    assert found.loss.shape == (2, 3)
     assert np.all(found.loss > 0.0)
+    assert found.input_power == pytest.approx([150.0 * 50.0, 150.0 * 100.0], rel=1e-9)
     lost = found.loss.sum(axis=1) / found.input_power
     assert found.efficiency == pytest.approx(1.0 - lost, rel=1e-14)
-    # both stages transmit the input power; the centres move little
-    assert found.power == pytest.approx(np.repeat(found.input_power[:, np.newaxis], 2, 1), rel=1e-3)
-    alone = system.replace(meshes=[first, system.meshes[1]]).efficiency(100.0)
+    assert found.mesh_efficiency == pytest.approx(1.0 - found.loss / found.power, rel=1e-14)
+    # every stage transmits the input power; the centres move little
+    assert found.power == pytest.approx(np.repeat(found.input_power[:, np.newaxis], 3, 1), rel=1e-3)
+    alone = system.replace(meshes=[rough[0], *system.meshes[1:]]).efficiency(sense * 100.0)
     assert alone.loss[0, 0] == pytest.approx(found.loss[1, 0], rel=1e-9)
-    assert alone.loss[0, 1] == 0.0
-    assert np.isnan(alone.loss_factor[0, 1])
+    assert np.all(alone.loss[0, 1:] == 0.0)
+    assert np.all(np.isnan(alone.loss_factor[0, 1:]))
 
 
 @each_case(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -11,11 +11,11 @@ import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
 from gearbow.description.layout import Order
 from gearbow.orders import Kinematics, spectrum
-from gearbow.orders.separation import cut, fit
+from gearbow.orders.separation import SignalSegment, cut, fit
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.recording.record import SECTION_FORCES
 from gearbow.system import response_sensitivity
-from reference.machines import bowed_pair, hostile, inertia, rotor
+from reference.machines import bowed_pair, hostile, inertia, rotor, without_tooth_errors
 from test_response import recorded
 
 SPEED = 100.0
@@ -266,6 +266,14 @@ def test_amplitudes_of_a_segment_are_those_of_its_middle():
         assert found.amplitudes[:, j] == pytest.approx(of(centres), rel=1e-9)
 
 
+def test_the_window_of_a_record_ends_at_its_ends():
+    turns = np.linspace(3.7, 8.2, 101)
+    window = SignalSegment(5.95, turns, turns).window
+    assert window == pytest.approx(window[::-1], abs=1e-15)
+    assert window[0] == pytest.approx(0.0, abs=1e-15)
+    assert (window.sum(), window.argmax()) == (pytest.approx(1.0), 50)
+
+
 def test_higher_harmonics_of_a_run_up_are_found():
     found = run_up(step=1e-4, end=150.0, a=(25.0, 1e-6), b=(125.0, 3e-7)).orders("g1", "y")
     assert found.track("5× mesh g1–g2") == pytest.approx(3e-7, rel=1e-6)
@@ -424,20 +432,21 @@ def test_the_error_names_the_invalid_argument():
         response.orders("g1")
 
 
-def test_the_bow_appears_at_the_order_of_its_shaft(tmp_path):
-    system = bowed_pair()
-    turn = 2 * np.pi / (0.5 * SPEED)
-    response = system.simulate(3 * turn, SPEED, output_step=turn / 1000, record=["g1", "meshes"])
-    found = response.orders("g1", "y")
-    linear = abs(system.synchronous([SPEED]).displacement("g1")[0, 0, 0])
-    # The moving line of action causes a second-order deviation from the linear motion.
-    assert found.amplitude("1× input") == pytest.approx(linear, rel=1e-2)
-    # The transient of lightly damped modes also causes a deviation.
-    assert found.rest < 1e-2 * linear
+def test_bow_and_unbalance_appear_at_the_order_of_their_shaft(tmp_path):
+    system, speed = hostile(), -SPEED
+    response = system.simulate(0.6, speed, output_step=2e-4, record=["gears"], geometry="frozen")
+    linear = system.synchronous([speed])
+    few: dict[str, Any] = {"skip_time": 0.1, "shaft_harmonics": 1, "mesh_harmonics": 1}
+    for j, gear in enumerate(["g1", "g2", "g4", "g5"]):
+        found, expected = response.orders(gear, "y", **few), linear.displacement(gear)[0, j, 0]
+        # what the teeth add to the linear motion at once per turn
+        assert found.amplitude(f"1× {linear.shafts[j]}") == pytest.approx(abs(expected), rel=1e-2)
+        assert found.rest < 3e-2 * abs(expected)  # sidebands of the teeth, and the transient
     response.save(tmp_path / "run.npz")
     again = gb.Response.load(tmp_path / "run.npz")
     assert again.kinematics == response.kinematics
-    np.testing.assert_array_equal(again.orders("g1", "y").amplitudes, found.amplitudes)
+    repeated = again.orders("g5", "y", **few)
+    np.testing.assert_array_equal(repeated.amplitudes, found.amplitudes)
     assert len(found.plot(5).axes[0].get_yticks()) == 5
 
 
@@ -452,6 +461,15 @@ def test_a_waterfall_has_a_ridge_along_each_order():
     np.testing.assert_allclose(peaks, result.speeds / (2 * np.pi), atol=0.51)
     panel = result.plot().axes[0]
     assert "1× input" in {text.get_text() for text in panel.texts}
+    # white lines at the frequencies of the orders, from the lowest to the highest speed
+    lines = [line for line in panel.lines if line.get_color() == "white"]
+    assert lines
+    for line in lines:
+        path = line.get_xydata()
+        assert (path[0, 1], path[-1, 1]) == pytest.approx(panel.get_ylim())
+        seen = path[np.isfinite(path[:, 0])]
+        order = seen[:, 0] * 2.0 * np.pi / seen[:, 1]
+        assert order == pytest.approx(np.full(order.size, order.mean()), rel=1e-9)
     with pytest.raises(gb.GearbowError, match="different frequencies"):
         gb.waterfall([runs[0], system.simulate(0.5, 50.0, output_step=1e-3)], "g1")
     with pytest.raises(
@@ -461,26 +479,24 @@ def test_a_waterfall_has_a_ridge_along_each_order():
 
 
 def test_the_order_of_a_force_is_among_the_orders(tmp_path):
-    # order 2.5 of a shaft that turns at half of the speed
-    system = bowed_pair().replace(
-        forces=[gb.Force("g2", 50.0, order=2.5), gb.Force("g1", 1.0, order=-2)]
-    )
+    # order 2.5 of the output shaft, which turns forwards at a negative speed, and −2 of the idler
+    speed, forces = -SPEED, [gb.Force("g5", 50.0, order=2.5), gb.Force("g2", 1.0, order=-2)]
+    system = without_tooth_errors(hostile()).replace(forces=forces)
     kinematics = Kinematics.of(system)
     names = {name: order.value for order in kinematics.orders() for name in order.names}
-    assert names["2.5× force at g2"] == pytest.approx(1.25)
-    assert names["2× force at g1"] == names["2× input"]
-    response = system.simulate(1.0, SPEED, record=["g2"], output_step=1e-3)
-    found = response.orders("g2", "y", skip_time=0.4, mesh_harmonics=1)
-    # The force turns backwards with its shaft: its phasors along y and z are 50 and 50i.
-    matrices, frequency = system.matrices(SPEED), 1.25 * SPEED
-    rate = matrices.damping + SPEED * matrices.gyroscopic
+    assert names["2.5× force at g5"] == pytest.approx(2.5 * OUTPUT)
+    assert names["2× force at g2"] == names["2× idler"] == pytest.approx(2 * 23 / 31)
+    response = system.simulate(1.3, speed, record=["g5"], output_step=1e-3, geometry="frozen")
+    found = response.orders("g5", "y", skip_time=0.2, shaft_harmonics=1, mesh_harmonics=0)
+    # the phasors along y and z of a force that turns forwards are 50 and −50i
+    matrices, frequency = system.matrices(speed), 2.5 * OUTPUT * SPEED
+    rate = matrices.damping + speed * matrices.gyroscopic
     dynamic = matrices.stiffness + 1j * frequency * rate - frequency**2 * matrices.mass
-    indices = [system.dofs.index(("output", 0.25, direction)) for direction in ("v", "w")]
+    indices = [system.dofs.index(("output", 0.08, direction)) for direction in ("v", "w")]
     force = np.zeros(len(system.dofs), dtype=complex)
-    force[indices] = 50.0, 50.0j
+    force[indices] = 50.0, -50.0j
     expected = abs(np.linalg.solve(dynamic, force)[indices[0]])
-    # The transient at natural frequencies of ten times this one leaks by 1/(ω t), about 1e-3.
-    assert found.amplitude("2.5× force at g2") == pytest.approx(expected, rel=1e-2)
+    assert found.amplitude("2.5× force at g5") == pytest.approx(expected, rel=1e-2)
     response.save(tmp_path / "run.npz")
     assert gb.Response.load(tmp_path / "run.npz").kinematics == kinematics
 

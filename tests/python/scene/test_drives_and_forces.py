@@ -363,3 +363,11 @@ def test_torques_that_do_not_balance_name_the_drive():
     system = single_shaft(**ROTOR, torques=[gb.Torque("wheel", 1.0)])
     with pytest.raises(gb.SceneError, match=r"or hold the rotation with gb.Drive"):
         system.static()
+
+
+def test_a_time_series_has_one_value_for_each_time():
+    for values in (3.0, np.ones((2, 3)), [["a", "b"]], [[1.0], [2.0, 3.0]]):
+        with pytest.raises(gb.SceneError, match=r"^values: must be a list of numbers"):
+            gb.TimeSeries([0.0, 1.0], values)
+    # pairs are complex numbers
+    assert gb.TimeSeries([0.0, 1.0], [[1.0, 2.0], [3.0, 4.0]]).values == (1.0 + 2.0j, 3.0 + 4.0j)

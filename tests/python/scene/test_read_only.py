@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow._shown import ReadOnly
 from reference.machines import bowed_rotor, hostile
 from test_response import recorded
 
@@ -98,3 +99,16 @@ def test_arrays_of_the_caller_stay_writable():
     diagram, response = system.campbell(speeds, count=2), system.synchronous(speeds)
     speeds[0] = 1.0
     assert diagram.speeds[0] == response.speeds[0] == 50.0
+
+
+def test_results_with_arrays_are_equal_to_themselves_only():
+    def below(cls: type) -> set[type]:
+        return {cls}.union(*(below(one) for one in cls.__subclasses__()))
+
+    results()  # import the classes
+    kinds = {one for one in below(ReadOnly) if dataclasses.is_dataclass(one)}
+    assert len(kinds) > 15
+    # whether arrays are equal has no single answer; this one has numbers only
+    compared = {one.__name__ for one in kinds if one.__dataclass_params__.eq}
+    assert compared <= {"RollingEstimate"}
+    assert all(one.__dataclass_params__.frozen for one in kinds)
