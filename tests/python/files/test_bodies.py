@@ -20,7 +20,7 @@ pytest.importorskip("scipy")
 
 def body_of(path: Path) -> Path:
     """Give the one file of an elastic housing beside a scene."""
-    (body,) = path.parent.glob(f"{path.stem}.housing-*.npz")
+    (body,) = list(path.parent.glob(f"{path.stem}.housing-*.npz"))
     return body
 
 
