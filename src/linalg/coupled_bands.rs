@@ -303,7 +303,8 @@ impl CoupledFactors {
             chain.solve(&mut x[*start..start + chain.size()]);
         }
         let Couplings { motions, matrix, .. } = &self.couplings;
-        let mut coupled: Vec<Complex64> = motions.iter().map(|motion| motion.value(&x[starts[motion.chain]..])).collect();
+        let mut coupled: Vec<Complex64> =
+            motions.iter().map(|motion| motion.value(&x[starts[motion.chain]..])).collect();
         self.capacity.solve(&mut coupled);
         let forces = matrix.multiply(&coupled);
         for ((motion, column), force) in motions.iter().zip(&self.columns).zip(forces.iter()) {
@@ -441,6 +442,56 @@ mod tests {
             }
         }
         assert!(counts[0] > 4 && counts[1] > 4, "{counts:?}");
+    }
+
+    /// A Hermitian matrix of a chain and of a diagonal one, of which `count` combinations are coupled to the first chain; and the
+    /// same as a dense matrix.
+    fn with_combinations(shift: f64, count: usize) -> (CoupledBands, DMatrix<Complex64>) {
+        let (mut sum, mut dense) = (CoupledBands::default(), DMatrix::zeros(9, 9));
+        [4, 5].into_iter().for_each(|size| sum.push(BandChain::zeros(size, 1)));
+        for i in 0..9 {
+            let value = Complex64::from(if i < 4 { 2.0 } else { (i - 4) as f64 } - shift);
+            sum.add(i, i, value);
+            dense[(i, i)] += value;
+        }
+        for k in 0..count {
+            let row: Vec<(usize, f64)> = (4..9).map(|i| (i, ((3 * i + 2 * k) as f64).cos())).collect();
+            let number = sum.combination(&row);
+            assert_eq!(number, sum.combination(&row));
+            let own = [vec![(k % 4, 1.0)], row.iter().map(|(i, value)| (*i, -value)).collect()].concat();
+            let motions = [(k % 4, 1.0), (number, -1.0)];
+            for (a, left) in motions {
+                motions.iter().for_each(|(b, right)| sum.add(a, *b, Complex64::from(left * right)));
+            }
+            own.iter().for_each(|(i, a)| own.iter().for_each(|(j, b)| dense[(*i, *j)] += Complex64::from(a * b)));
+        }
+        (sum, dense)
+    }
+
+    #[test]
+    fn combinations_give_the_dense_matrix() -> Result<(), Singular> {
+        // Two coordinates of the diagonal chain are singular without the couplings at 0 and 2; seven combinations of five
+        // coordinates depend on each other.
+        for (shift, count) in [(0.0, 3), (2.0, 7), (0.3, 2), (3.7, 6), (-1.0, 7)] {
+            let (sum, dense) = with_combinations(shift, count);
+            if shift.fract() != 0.0 || shift < 0.0 {
+                let negative = dense.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count();
+                assert_eq!(sum.negative_eigenvalues(), Some(negative), "{shift} {count}");
+            }
+            let wanted = dense.clone().determinant();
+            let found = sum.clone().determinant(1.0)?;
+            let found = found.phase * found.logarithm.exp();
+            assert!((found - wanted).norm() < 1e-11 * wanted.norm(), "{found} {wanted}");
+            let right = DVector::from_fn(9, |i, _| Complex64::new(i as f64 - 3.0, 1.0));
+            let factors = sum.factor(1.0)?;
+            for (side, dense) in [(Side::Right, dense.clone()), (Side::Left, dense.transpose())] {
+                let mut x = right.clone();
+                let error = factors.solve_to(side, 0.0, x.as_mut_slice())?;
+                assert!(error < 1e-14, "{error}");
+                assert!((dense * x - &right).norm() < 1e-11 * right.norm(), "{shift} {count}");
+            }
+        }
+        Ok(())
     }
 
     #[test]

@@ -118,7 +118,8 @@ impl Couplings {
 
     /// Factors of the chains with the dampers.
     pub fn factor_chains(&self, mut chains: Vec<Band<Complex64>>) -> Result<Vec<BandLu<Complex64>>, Singular> {
-        for (motion, damper) in self.motions.iter().zip(&self.dampers).filter(|(_, damper)| **damper != Complex64::ZERO) {
+        for (motion, damper) in self.motions.iter().zip(&self.dampers).filter(|(_, damper)| **damper != Complex64::ZERO)
+        {
             let row = motion.entries[0].0;
             chains[motion.chain].add(row, row, *damper);
         }

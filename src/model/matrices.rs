@@ -135,11 +135,7 @@ impl Model {
             |model, _, add| model.visit_gyroscopic(add),
             |model, _, add| model.visit_mass(add),
         ];
-        let entries = |(model, speed): (&Self, f64), visit: Visit| {
-            let mut entries = Vec::new();
-            visit(model, speed, &mut |row, column, value| entries.push((row, column, value)));
-            entries
-        };
+        let entries = |(model, speed): (&Self, f64), visit: Visit| model.entries(|add| visit(model, speed, add));
         visits.map(|visit| {
             let mut own = entries((self, speed), visit);
             let known = base.map_or_else(Vec::new, |base| entries(base, visit));
@@ -305,18 +301,25 @@ impl Model {
     }
 
     fn sparse(&self, visit: impl Fn(Add<'_>)) -> Sparse {
+        Sparse::new(self.len(), self.entries(visit))
+    }
+
+    /// Entries (row, column, value) of a matrix, whose sums are its entries. Those between the modes of an elastic housing are
+    /// summed.
+    fn entries(&self, visit: impl Fn(Add<'_>)) -> Vec<(usize, usize, f64)> {
         let mut entries = Vec::new();
         // Every bearing has entries between all modes of its elastic housing.
         let modes = &self.housings.modes;
         let mut blocks: Vec<_> = modes.iter().map(|modes| DMatrix::zeros(modes.len(), modes.len())).collect();
-        visit(&mut |row, column, value| {
-            match modes.iter().position(|modes| modes.contains(&row) && modes.contains(&column)) {
-                Some(housing) => {
-                    let start = modes[housing].start;
-                    blocks[housing][(row - start, column - start)] += value;
-                }
-                None => entries.push((row, column, value)),
+        visit(&mut |row, column, value| match modes
+            .iter()
+            .position(|modes| modes.contains(&row) && modes.contains(&column))
+        {
+            Some(housing) => {
+                let start = modes[housing].start;
+                blocks[housing][(row - start, column - start)] += value;
             }
+            None => entries.push((row, column, value)),
         });
         for (modes, block) in modes.iter().zip(&blocks) {
             for (column, values) in modes.clone().zip(block.column_iter()) {
@@ -324,7 +327,7 @@ impl Model {
                 entries.extend(values.map(|(row, value)| (row, column, value)));
             }
         }
-        Sparse::new(self.len(), entries)
+        entries
     }
 
     fn visit_mass(&self, add: Add<'_>) {

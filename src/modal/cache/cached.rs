@@ -471,9 +471,9 @@ impl CachedModel {
             return self.projected(speed).map(Arc::new);
         }
         self.linear_part().subspaces.get_or_try(key.clone(), || {
-            let synthesised = key.highest.map(|highest| {
-                self.synthesised(speed, highest, [&key.coordinates[..], &key.distributed].concat())
-            });
+            let synthesised = key
+                .highest
+                .map(|highest| self.synthesised(speed, highest, [&key.coordinates[..], &key.distributed].concat()));
             let synthesised = synthesised.transpose()?;
             let all = match &synthesised {
                 Some(modes) => modes,

@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::clearance::TangentPart;
 use super::{EquilibriumError, EquilibriumSpeeds};
 use crate::connection::{BearingTangent, Connection, NonlinearBearing, Row};
 use crate::linalg::ChainMatrix;
 use crate::mesh::{Flank, Geometry};
-use super::clearance::TangentPart;
 use crate::model::{Dof, DofKind, Model};
 
 /// Unbalanced force of a coordinate, relative to the sum of absolute terms |K||q| of its elastic and mesh forces, that the round-off of
@@ -318,7 +318,9 @@ impl Forces {
                             continue;
                         }
                         let (pressed, directions) = mesh
-                            .mean_tangent(*geometry, sigma, back, q, |row, column, value| visit(TangentPart::Entry(row, column, value)))
+                            .mean_tangent(*geometry, sigma, back, q, |row, column, value| {
+                                visit(TangentPart::Entry(row, column, value))
+                            })
                             .map_err(|overlap| EquilibriumError::overlap(model, index, overlap))?;
                         let pulls = matches!(contacts, Contacts::Pressed) && mesh.backlash.is_some() && pressed < 0.0;
                         let pressed = if pulls { 0.0 } else { pressed };
