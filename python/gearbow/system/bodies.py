@@ -1,8 +1,8 @@
 """Elastic bodies of scene files: a file beside the scene has the numbers of each.
 
-The scene names the file and the SHA-256 digest of its bytes. The name of the file has the first digits of the
-digest, so that a file is never replaced by other numbers: a scene and its files fit, whatever happens while
-another scene is written in its place.
+The scene names the file and the SHA-256 digest of its bytes. The name of the file has the first
+digits of the digest, so that a file is never replaced by other numbers: a scene and its files fit,
+whatever happens while another scene is written in its place.
 """
 
 import re
@@ -21,7 +21,7 @@ from gearbow.errors import SceneError
 #: Beginning of a section of TOML; the core writes lists of numbers on one line.
 _SECTION = re.compile(r"(?m)^(?=\[)")
 _BODY, _PART_OF_BODY = "[housings.elastic]", "[housings.elastic."
-#: Digits of the digest in the name of a file: equal ones of different files would take millions of saves.
+#: Digits of the digest in a name: equal ones of different files would take millions of saves.
 _DIGITS = 12
 #: Springs of an interface, which may have none.
 _SPRINGS = ("stiffness", "damping")

@@ -507,8 +507,8 @@ class RotorSystem(CheckedKeywords, Shown):
             of a bow that is given as a function. An elastic housing is in a file of its own that
             belongs to it, such as "scene.housing-0123456789ab.npz" beside "scene.toml", whose name
             follows from its content. Files of an earlier scene remain: another copy of this scene
-            may need them. REXS 1.4, which `read_rexs` reads, has shafts, gears, stages, bearings, couplings, masses, and constant
-            torques and forces.
+            may need them. REXS 1.4, which `read_rexs` reads, has shafts, gears, stages, bearings,
+            couplings, masses, and constant torques and forces.
 
         Raises
         ------

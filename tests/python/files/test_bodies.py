@@ -69,7 +69,7 @@ def test_a_failed_save_leaves_the_scene_before_and_its_file(
     assert len(list(tmp_path.glob("scene.housing-*.npz"))) == 2
 
 
-def failing(path: Path) -> NoReturn:
+def failing(_: Path) -> NoReturn:
     """Fail as a full disk does."""
     raise OSError("no space left on device")
 
@@ -103,7 +103,9 @@ def test_wrong_files_are_errors(tmp_path: Path):
             gb.read(path)
 
     body.write_bytes(data[:-1])
-    refused(r"housings\[0\]\.elastic\.digest: .*scene\.housing-.*\.npz has the digest sha256:.* not")
+    refused(
+        r"housings\[0\]\.elastic\.digest: .*scene\.housing-.*\.npz has the digest sha256:.* not"
+    )
     body.unlink()
     refused(r"housings\[0\]\.elastic\.file: .*scene\.housing-.*\.npz cannot be read: No such file")
     body.write_bytes(data)
