@@ -4,9 +4,10 @@
 //! S = A + E Δ Eᵀ,    A = diag(A_1, A_2, …)
 //! ```
 //!
-//! The columns of E are unit vectors, one for each of the r coordinates that belong to a coupling, and Δ is r × r. With the
-//! LU factors of each A_c, the solution of S x = f is (Woodbury; Golub and Van Loan, Matrix Computations, 4th ed.,
-//! section 2.1.4)
+//! The columns of E are the r coupled motions, and Δ is r × r. A motion is a coordinate, a unit vector, or a combination of the
+//! coordinates of one chain, such as a bearing seat on the modes of an elastic housing, which have a diagonal A_c: they cost
+//! the number of modes times the square of the number of seats. With the LU factors of each A_c, the solution of S x = f is
+//! (Woodbury; Golub and Van Loan, Matrix Computations, 4th ed., section 2.1.4)
 //!
 //! ```text
 //! x = A⁻¹f − A⁻¹E Δ (I + Z Δ)⁻¹ Eᵀ A⁻¹f,    Z = Eᵀ A⁻¹ E.
@@ -19,7 +20,8 @@
 //!
 //! Without the couplings a chain may be singular, although S is not: a free shaft at standstill, or a shaft at one of its
 //! own natural frequencies. Therefore A_c contains a damper on every coupled coordinate, an imaginary entry of the size of
-//! the couplings, and Δ has its negative. A natural mode of a chain at a real frequency then makes A_c singular only if it
+//! the couplings, and Δ has its negative. Of the coordinates of a combination, only those with a small entry on the diagonal have
+//! one: a mode of a housing at its own natural frequency becomes a coupled coordinate. A natural mode of a chain at a real frequency then makes A_c singular only if it
 //! moves no coupled coordinate; such a mode makes S singular too. Every solution is improved by iterative refinement until
 //! its componentwise backward error is that of round-off (Higham 2002, Accuracy and Stability of Numerical Algorithms,
 //! chapter 12); a solution that does not reach it is an error.
@@ -31,7 +33,7 @@ use num_complex::Complex64;
 
 use super::band::{Band, BandLu, Number, Singular};
 use super::blocks::{BlockFactors, Blocks};
-use super::couplings::{Couplings, chain_of};
+use super::couplings::{Couplings, Motion, chain_of};
 use super::dense::ENTRY_ROUND_OFF;
 use super::determinant::Determinant;
 
@@ -62,11 +64,13 @@ const MAX_REFINEMENTS: usize = 4;
 #[derive(Clone, Debug, Default)]
 pub struct CoupledBands {
     /// Matrices of the chains, in the order of the coordinates.
-    chains: Vec<BandChain>,
+    pub(super) chains: Vec<BandChain>,
     /// First coordinate of each chain.
-    starts: Vec<usize>,
-    /// Entries (row, column) outside of the bands.
-    couplings: BTreeMap<(usize, usize), Complex64>,
+    pub(super) starts: Vec<usize>,
+    /// Entries (row, column) between motions outside of the bands. The numbers from `size` on are those of `combinations`.
+    pub(super) couplings: BTreeMap<(usize, usize), Complex64>,
+    /// Combinations of the coordinates of chains whose other entries are on the diagonal.
+    combinations: Vec<Motion>,
     /// Number of coordinates.
     size: usize,
 }
@@ -84,8 +88,35 @@ impl CoupledBands {
         self.size
     }
 
-    /// Adds `value` to the entry (`row`, `column`).
+    /// The number under which `add` couples a combination of coordinates of one chain, given as entries (coordinate, coefficient).
+    /// The matrix of the chain has no entries between these coordinates, and no chain is appended afterwards.
+    pub fn combination(&mut self, entries: &[(usize, f64)]) -> usize {
+        let chain = entries.first().map_or(0, |(first, _)| chain_of(&self.starts, *first));
+        let entries = entries.iter().map(|(index, coefficient)| (index - self.starts[chain], *coefficient)).collect();
+        let motion = Motion { chain, entries };
+        let known = self.combinations.iter().position(|known| *known == motion);
+        self.size
+            + known.unwrap_or_else(|| {
+                self.combinations.push(motion);
+                self.combinations.len() - 1
+            })
+    }
+
+    /// The motion of a number.
+    pub(super) fn motion(&self, number: usize) -> Motion {
+        if let Some(combination) = number.checked_sub(self.size) {
+            return self.combinations[combination].clone();
+        }
+        let chain = chain_of(&self.starts, number);
+        Motion { chain, entries: vec![(number - self.starts[chain], 1.0)] }
+    }
+
+    /// Adds `value` to the entry of two coordinates or combinations.
     pub fn add(&mut self, row: usize, column: usize, value: Complex64) {
+        if row.max(column) >= self.size {
+            *self.couplings.entry((row, column)).or_default() += value;
+            return;
+        }
         let chain = chain_of(&self.starts, row);
         let start = self.starts[chain];
         let matrix = &mut self.chains[chain];
@@ -101,7 +132,7 @@ impl CoupledBands {
     /// # Errors
     /// [`Singular`] if the matrix, or a chain with dampers, is singular.
     pub fn factor(self, sense: f64) -> Result<CoupledFactors, Singular> {
-        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::new(0.0, sense));
+        let couplings = Couplings::new(&self, Complex64::new(0.0, sense));
         let chains = couplings.factor_chains(self.chains.clone())?;
         let columns = couplings.columns(&chains, true);
         let capacity = couplings.factor_capacity(&columns, false)?;
@@ -114,7 +145,7 @@ impl CoupledBands {
     /// # Errors
     /// As [`Self::factor`].
     pub fn determinant(self, sense: f64) -> Result<Determinant, Singular> {
-        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::new(0.0, sense));
+        let couplings = Couplings::new(&self, Complex64::new(0.0, sense));
         let chains = couplings.factor_chains(self.chains)?;
         let columns = couplings.columns(&chains, false);
         let capacity = couplings.factor_capacity(&columns, false)?;
@@ -142,7 +173,7 @@ impl CoupledBands {
         for pivot in chains.iter().flat_map(BandLu::pivots) {
             count += usize::from(is_negative(pivot)?);
         }
-        let couplings = Couplings::new(&self.couplings, &self.starts, Complex64::ZERO);
+        let couplings = Couplings::new(self, Complex64::ZERO).of_independent_motions();
         let receptances = couplings.receptances(&couplings.columns(&chains, false));
         let own: usize = receptances.iter().map(|block| negative_pivots(block.clone())).sum::<Option<usize>>()?;
         (count + negative_eigenvalues(couplings.form(&receptances))?).checked_sub(own)
@@ -152,8 +183,23 @@ impl CoupledBands {
     fn row_sizes(&self) -> Vec<f64> {
         let rows = self.chains.iter().flat_map(|chain| (0..chain.size()).map(|row| chain.row(row).1));
         let mut sizes: Vec<f64> = rows.map(|entries| entries.iter().map(|value| value.l1_norm()).sum()).collect();
-        self.couplings.iter().for_each(|((row, _), value)| sizes[*row] += value.l1_norm());
+        let mut of_combinations = vec![0.0; self.combinations.len()];
+        for ((row, column), value) in &self.couplings {
+            let width = column.checked_sub(self.size).map_or(1.0, |index| {
+                self.combinations[index].entries.iter().map(|(_, coefficient)| coefficient.abs()).sum()
+            });
+            *sizes.get_mut(*row).unwrap_or_else(|| &mut of_combinations[*row - self.size]) += value.l1_norm() * width;
+        }
+        self.add_sizes(&of_combinations, &mut sizes);
         sizes
+    }
+
+    /// Adds the sizes of forces along the combinations to those of the rows.
+    fn add_sizes(&self, of_combinations: &[f64], sizes: &mut [f64]) {
+        for (Motion { chain, entries }, size) in self.combinations.iter().zip(of_combinations) {
+            let own = &mut sizes[self.starts[*chain]..];
+            entries.iter().for_each(|(row, coefficient)| own[*row] += coefficient.abs() * size);
+        }
     }
 }
 
@@ -256,12 +302,13 @@ impl CoupledFactors {
         for (chain, start) in self.chains.iter().zip(starts) {
             chain.solve(&mut x[*start..start + chain.size()]);
         }
-        let Couplings { coordinates, matrix, .. } = &self.couplings;
-        let mut coupled: Vec<Complex64> = coordinates.iter().map(|coordinate| x[*coordinate]).collect();
+        let Couplings { motions, matrix, .. } = &self.couplings;
+        let mut coupled: Vec<Complex64> =
+            motions.iter().map(|motion| motion.value(&x[starts[motion.chain]..])).collect();
         self.capacity.solve(&mut coupled);
         let forces = matrix.multiply(&coupled);
-        for ((place, column), force) in self.couplings.places.iter().zip(&self.columns).zip(forces.iter()) {
-            for (x, value) in x[starts[place.0]..].iter_mut().zip(column) {
+        for ((motion, column), force) in motions.iter().zip(&self.columns).zip(forces.iter()) {
+            for (x, value) in x[starts[motion.chain]..].iter_mut().zip(column) {
                 *x -= value * force;
             }
         }
@@ -270,14 +317,14 @@ impl CoupledFactors {
     /// The same with Sᵀ: x = A⁻ᵀ(f − E (I + ZΔ)⁻ᵀ Δᵀ (A⁻¹E)ᵀ f).
     fn solve_transposed(&self, x: &mut [Complex64]) {
         let starts = &self.matrix.starts;
-        let Couplings { coordinates, places, matrix, .. } = &self.couplings;
-        let product = |(place, column): (&(usize, usize), &Vec<Complex64>)| {
-            x[starts[place.0]..].iter().zip(column).map(|(x, value)| x * value).sum::<Complex64>()
+        let Couplings { motions, matrix, .. } = &self.couplings;
+        let product = |(motion, column): (&Motion, &Vec<Complex64>)| {
+            x[starts[motion.chain]..].iter().zip(column).map(|(x, value)| x * value).sum::<Complex64>()
         };
-        let read: Vec<Complex64> = places.iter().zip(&self.columns).map(product).collect();
+        let read: Vec<Complex64> = motions.iter().zip(&self.columns).map(product).collect();
         let mut forces = matrix.multiply_transposed(&read);
         self.capacity.solve_transposed(&mut forces);
-        coordinates.iter().zip(forces).for_each(|(coordinate, force)| x[*coordinate] -= force);
+        motions.iter().zip(forces).for_each(|(motion, force)| motion.subtract(force, &mut x[starts[motion.chain]..]));
         for (chain, start) in self.chains.iter().zip(starts) {
             chain.solve_transposed(&mut x[*start..start + chain.size()]);
         }
@@ -319,12 +366,30 @@ impl CoupledFactors {
                 }
             }
         }
-        for ((row, column), value) in &self.matrix.couplings {
-            let (row, column) = if side == Side::Right { (row, column) } else { (column, row) };
-            let term = value * x[*column];
-            residual[*row] -= term;
-            sizes[*row] += term.l1_norm();
+        let CoupledBands { couplings, combinations, .. } = &self.matrix;
+        let starts = &self.matrix.starts;
+        let value = |motion: &Motion| motion.value(&x[starts[motion.chain]..]);
+        let combined: Vec<Complex64> = combinations.iter().map(value).collect();
+        let mut forces = vec![Complex64::ZERO; combinations.len()];
+        let mut force_sizes = vec![0.0; combinations.len()];
+        for ((row, column), value) in couplings {
+            let (row, column) = if side == Side::Right { (*row, *column) } else { (*column, *row) };
+            let term = value * x.get(column).copied().unwrap_or_else(|| combined[column - x.len()]);
+            match row.checked_sub(x.len()) {
+                None => {
+                    residual[row] -= term;
+                    sizes[row] += term.l1_norm();
+                }
+                Some(combination) => {
+                    forces[combination] += term;
+                    force_sizes[combination] += term.l1_norm();
+                }
+            }
         }
+        for (motion, force) in combinations.iter().zip(forces) {
+            motion.subtract(force, &mut residual[starts[motion.chain]..]);
+        }
+        self.matrix.add_sizes(&force_sizes, &mut sizes);
         let ratios = residual.iter().zip(&sizes).filter(|(_, size)| **size != 0.0);
         let error = ratios.map(|(value, size)| value.l1_norm() / size);
         // f64::max would ignore NaN.
@@ -377,6 +442,56 @@ mod tests {
             }
         }
         assert!(counts[0] > 4 && counts[1] > 4, "{counts:?}");
+    }
+
+    /// A Hermitian matrix of a chain and of a diagonal one, of which `count` combinations are coupled to the first chain; and the
+    /// same as a dense matrix.
+    fn with_combinations(shift: f64, count: usize) -> (CoupledBands, DMatrix<Complex64>) {
+        let (mut sum, mut dense) = (CoupledBands::default(), DMatrix::zeros(9, 9));
+        [4, 5].into_iter().for_each(|size| sum.push(BandChain::zeros(size, 1)));
+        for i in 0..9 {
+            let value = Complex64::from(if i < 4 { 2.0 } else { (i - 4) as f64 } - shift);
+            sum.add(i, i, value);
+            dense[(i, i)] += value;
+        }
+        for k in 0..count {
+            let row: Vec<(usize, f64)> = (4..9).map(|i| (i, ((3 * i + 2 * k) as f64).cos())).collect();
+            let number = sum.combination(&row);
+            assert_eq!(number, sum.combination(&row));
+            let own = [vec![(k % 4, 1.0)], row.iter().map(|(i, value)| (*i, -value)).collect()].concat();
+            let motions = [(k % 4, 1.0), (number, -1.0)];
+            for (a, left) in motions {
+                motions.iter().for_each(|(b, right)| sum.add(a, *b, Complex64::from(left * right)));
+            }
+            own.iter().for_each(|(i, a)| own.iter().for_each(|(j, b)| dense[(*i, *j)] += Complex64::from(a * b)));
+        }
+        (sum, dense)
+    }
+
+    #[test]
+    fn combinations_give_the_dense_matrix() -> Result<(), Singular> {
+        // Two coordinates of the diagonal chain are singular without the couplings at 0 and 2; seven combinations of five
+        // coordinates depend on each other.
+        for (shift, count) in [(0.0, 3), (2.0, 7), (0.3, 2), (3.7, 6), (-1.0, 7)] {
+            let (sum, dense) = with_combinations(shift, count);
+            if shift.fract() != 0.0 || shift < 0.0 {
+                let negative = dense.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count();
+                assert_eq!(sum.negative_eigenvalues(), Some(negative), "{shift} {count}");
+            }
+            let wanted = dense.clone().determinant();
+            let found = sum.clone().determinant(1.0)?;
+            let found = found.phase * found.logarithm.exp();
+            assert!((found - wanted).norm() < 1e-11 * wanted.norm(), "{found} {wanted}");
+            let right = DVector::from_fn(9, |i, _| Complex64::new(i as f64 - 3.0, 1.0));
+            let factors = sum.factor(1.0)?;
+            for (side, dense) in [(Side::Right, dense.clone()), (Side::Left, dense.transpose())] {
+                let mut x = right.clone();
+                let error = factors.solve_to(side, 0.0, x.as_mut_slice())?;
+                assert!(error < 1e-14, "{error}");
+                assert!((dense * x - &right).norm() < 1e-11 * right.norm(), "{shift} {count}");
+            }
+        }
+        Ok(())
     }
 
     #[test]

@@ -5,14 +5,13 @@
 //! matrix. A load that drives a null motion has no equilibrium.
 
 use nalgebra::{DMatrix, DVector};
-use num_complex::Complex64;
 
 use thiserror::Error;
 
 mod clearance;
 mod forces;
 
-use self::clearance::{Entry, check_journals, regularisation, within_clearances};
+use self::clearance::{TangentPart, check_journals, regularisation, within_clearances};
 use self::forces::{AtRest, Contacts, Forces, Laws, elastic_tangent, tangent_towards};
 use crate::connection::BearingTangent;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
@@ -221,7 +220,7 @@ struct Point {
     /// The part that only the springs on the null motions balance.
     carried: DVector<f64>,
     /// Tangent of the connections.
-    tangent: Vec<Entry>,
+    tangent: Vec<TangentPart>,
 }
 
 /// Newton's method for the equilibrium.
@@ -241,7 +240,7 @@ impl<'m> Search<'m> {
 
     fn at(&self, q: DVector<f64>, flanks: &[Flank], laws: Laws<'_>) -> Result<Point, EquilibriumError> {
         let mut tangent = Vec::new();
-        let forces = self.at_rest.forces(Contacts::Given(flanks), laws, &q, &mut |entry| tangent.push(entry))?;
+        let forces = self.at_rest.forces(Contacts::Given(flanks), laws, &q, &mut |part| tangent.push(part))?;
         let residual = forces.residual();
         let carried = self.pins.carried(&residual);
         Ok(Point { q, forces, residual: residual - &carried, carried, tangent })
@@ -460,11 +459,10 @@ impl<'m> Search<'m> {
 
     /// Factors of the stiffness of shafts, bearings and pins with the tangent of the connections, where `norm` of the load is
     /// unbalanced.
-    fn tangent_factors(&self, tangent: &[Entry], norm: f64) -> Result<CoupledFactors, DecompositionError> {
+    fn tangent_factors(&self, tangent: &[TangentPart], norm: f64) -> Result<CoupledFactors, DecompositionError> {
         let (model, mut sum) = (&self.at_rest.model, self.linear.clone());
-        for (row, column, value) in tangent.iter().chain(&regularisation(model, norm)) {
-            model.add_entry(&mut sum, *row, *column, Complex64::from(*value));
-        }
+        tangent.iter().for_each(|part| part.add_to(model, &mut sum));
+        regularisation(model, norm).for_each(|part| part.add_to(model, &mut sum));
         Ok(sum.factor(1.0)?)
     }
 }

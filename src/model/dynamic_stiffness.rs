@@ -127,13 +127,9 @@ impl Model {
         for connection in self.connections(speed).filter(Connection::is_local) {
             let (rows, coefficients) = (connection.rows(), connection.linear(speed));
             let factor = weights.stiffness_of(connection.loss_factor());
-            for (i, left) in rows.iter().enumerate() {
-                for (j, right) in rows.iter().enumerate() {
-                    let value =
-                        factor * coefficients.stiffness[(i, j)] + weights.damping * coefficients.damping[(i, j)];
-                    self.add_product(&mut sum, left, right, value);
-                }
-            }
+            self.add_form(&mut sum, &rows, |i, j| {
+                factor * coefficients.stiffness[(i, j)] + weights.damping * coefficients.damping[(i, j)]
+            });
         }
         sum
     }
@@ -160,12 +156,7 @@ impl Model {
         for Link { rows, local, .. } in &self.links {
             let stiffness = if weights.symmetric { &local.symmetric_part } else { &local.stiffness };
             let factor = weights.stiffness_of(local.loss_factor);
-            for (i, left) in rows.iter().enumerate() {
-                for (j, right) in rows.iter().enumerate() {
-                    let value = factor * stiffness[i][j] + weights.damping * local.damping[i][j];
-                    self.add_product(&mut sum, left, right, value);
-                }
-            }
+            self.add_form(&mut sum, rows, |i, j| factor * stiffness[i][j] + weights.damping * local.damping[i][j]);
         }
         sum
     }
@@ -202,18 +193,28 @@ impl Model {
         diagonal
     }
 
-    /// Adds value·left·rightᵀ.
-    pub fn add_product(&self, sum: &mut CoupledBands, left: &Row, right: &Row, value: Complex64) {
-        if value == Complex64::ZERO {
-            return;
-        }
-        let columns: Vec<_> = right.iter().map(|(column, factor)| (self.circular(*column), factor)).collect();
-        for (row, left) in left {
-            let rows = self.circular(*row);
-            for (columns, right) in &columns {
-                let value = value * left * *right;
-                for (row, force, _) in rows.iter().flatten() {
-                    for (column, _, displacement) in columns.iter().flatten() {
+    /// Adds Σ value(i, j)·rows[i]·rows[j]ᵀ.
+    pub fn add_form(&self, sum: &mut CoupledBands, rows: &[Row], value: impl Fn(usize, usize) -> Complex64) {
+        // Motions with the force on each for a unit force on the row, and the part of each in the displacement of the row.
+        let circular = |row: &Row| {
+            let (single, combined) = self.housings.split(row);
+            let single = single.iter().flat_map(|(index, factor)| {
+                let parts = self.circular(*index).into_iter().flatten();
+                parts.map(|(motion, force, displacement)| (motion, force * *factor, displacement * *factor))
+            });
+            let mut motions: Vec<_> = single.collect();
+            motions.extend(combined.iter().map(|row| (sum.combination(row), Complex64::ONE, Complex64::ONE)));
+            motions
+        };
+        let motions: Vec<_> = rows.iter().map(circular).collect();
+        for (i, left) in motions.iter().enumerate() {
+            for (j, right) in motions.iter().enumerate() {
+                let value = value(i, j);
+                if value == Complex64::ZERO {
+                    continue;
+                }
+                for (row, force, _) in left {
+                    for (column, _, displacement) in right {
                         sum.add(*row, *column, value * force * displacement);
                     }
                 }
@@ -248,7 +249,7 @@ fn push_housings(sum: &mut CoupledBands, housings: &HousingInertia, weights: &We
     if housings.inertia.is_empty() {
         return;
     }
-    let mut band = BandChain::zeros(housings.inertia.len(), housings.reach());
+    let mut band = BandChain::zeros(housings.inertia.len(), housings.band_order().reach());
     for (row, inertia) in housings.inertia.iter().enumerate() {
         band.add(row, row, weights.mass * *inertia);
     }

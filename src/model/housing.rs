@@ -15,18 +15,19 @@ pub struct HousingInertia {
     pub start: usize,
     /// Mass, kg, or moment of inertia, kg m², of each coordinate.
     pub inertia: Vec<f64>,
-    /// Whether bearings couple all coordinates, as the modes of an elastic housing.
-    pub is_dense: bool,
+    /// Indices, in the order of the core, of the modes of each elastic housing. No entry of a matrix of its own couples them.
+    pub modes: Vec<Range<usize>>,
 }
 
 impl HousingInertia {
     pub(super) fn new(scene: &Scene, numbering: &Numbering) -> Self {
         let start = numbering.end_of_shafts();
-        let mut inertia = vec![0.0; numbering.len() - start];
+        let (mut inertia, mut own_modes) = (vec![0.0; numbering.len() - start], Vec::new());
         for (index, housing) in scene.housings.iter().enumerate() {
             let node = Node { shaft: scene.shafts.len() + index, node: 0 };
             if let Some(modes) = numbering.modes(node) {
                 inertia[modes.start - start..modes.end - start].fill(1.0);
+                own_modes.push(modes);
             }
             let Some(first) = numbering.translation(node) else { continue };
             let own = &mut inertia[first - start..];
@@ -38,7 +39,7 @@ impl HousingInertia {
                 inertia[along - start] = housing.mass;
             }
         }
-        Self { start, inertia, is_dense: scene.housings.iter().any(|housing| housing.elastic.is_some()) }
+        Self { start, inertia, modes: own_modes }
     }
 
     /// Indices of the coordinates, in the order of the core.
@@ -52,9 +53,28 @@ impl HousingInertia {
         BandOrder { per_node: 1, nodes: self.inertia.len(), per_element: 0 }
     }
 
-    /// Largest distance of coordinates that couple in their matrix.
-    pub fn reach(&self) -> usize {
-        if self.is_dense { self.inertia.len() - 1 } else { self.band_order().reach() }
+    /// Whether a coordinate, in the order of the core, is a mode of an elastic housing.
+    pub fn is_mode(&self, index: usize) -> bool {
+        self.modes.iter().any(|modes| modes.contains(&index))
+    }
+
+    /// The entries of a row over single coordinates, and those over the modes of each elastic housing, if these are several.
+    pub fn split(&self, row: &Row) -> (Row, Vec<Row>) {
+        let (mut single, mut combined) = (Row::new(), vec![Row::new(); self.modes.len()]);
+        for entry in row {
+            match self.modes.iter().position(|modes| modes.contains(&entry.0)) {
+                Some(housing) => combined[housing].push(*entry),
+                None => single.push(*entry),
+            }
+        }
+        combined.retain(|entries| match entries[..] {
+            [entry] => {
+                single.push(entry);
+                false
+            }
+            _ => !entries.is_empty(),
+        });
+        (single, combined)
     }
 
     /// `out += M x`.

@@ -135,11 +135,7 @@ impl Model {
             |model, _, add| model.visit_gyroscopic(add),
             |model, _, add| model.visit_mass(add),
         ];
-        let entries = |(model, speed): (&Self, f64), visit: Visit| {
-            let mut entries = Vec::new();
-            visit(model, speed, &mut |row, column, value| entries.push((row, column, value)));
-            entries
-        };
+        let entries = |(model, speed): (&Self, f64), visit: Visit| model.entries(|add| visit(model, speed, add));
         visits.map(|visit| {
             let mut own = entries((self, speed), visit);
             let known = base.map_or_else(Vec::new, |base| entries(base, visit));
@@ -270,26 +266,18 @@ impl Model {
             }
         }
         out.iter_mut().for_each(|value| *value = -*value);
-        let add: Add<'_> = &mut |row, column, value| out[row] += value * x[column];
-        self.visit_supports(|support| if symmetric { support.symmetric_part } else { support.stiffness }, add);
+        self.multiply_supports(|support| if symmetric { support.symmetric_part } else { support.stiffness }, x, out);
         if !symmetric {
-            self.visit_circulation(add);
+            self.visit_circulation(&mut |row, column, value| out[row] += value * x[column]);
         }
-        for connection in self.connections(speed).filter(Connection::is_local) {
-            let (rows, coefficients) = (connection.rows(), connection.linear(speed));
-            let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * x[*index]).sum::<f64>();
-            let scalars = DVector::from_iterator(rows.len(), rows.iter().map(scalar));
-            for (row, force) in rows.iter().zip(&(coefficients.stiffness * scalars)) {
-                row.iter().for_each(|(index, coefficient)| out[*index] += coefficient * force);
-            }
-        }
+        self.multiply_connections(speed, |connection| connection.linear(speed).stiffness, x, out);
     }
 
     /// `out += C x` of shafts, bearings and connections at `speed`, rad/s, without modal damping.
     pub fn multiply_damping(&self, speed: f64, x: &[f64], out: &mut [f64]) {
-        let add: Add<'_> = &mut |row, column, value| out[row] += value * x[column];
-        self.visit_damping_without_meshes(add);
-        self.visit_connections(speed, |connection| connection.linear(speed).damping, add);
+        self.visit_shaft_damping(&mut |row, column, value| out[row] += value * x[column]);
+        self.multiply_supports(|support| support.damping, x, out);
+        self.multiply_connections(speed, |connection| connection.linear(speed).damping, x, out);
     }
 
     /// `out += G x` with G per unit speed of the reference shaft.
@@ -313,9 +301,33 @@ impl Model {
     }
 
     fn sparse(&self, visit: impl Fn(Add<'_>)) -> Sparse {
+        Sparse::new(self.len(), self.entries(visit))
+    }
+
+    /// Entries (row, column, value) of a matrix, whose sums are its entries. Those between the modes of an elastic housing are
+    /// summed.
+    fn entries(&self, visit: impl Fn(Add<'_>)) -> Vec<(usize, usize, f64)> {
         let mut entries = Vec::new();
-        visit(&mut |row, column, value| entries.push((row, column, value)));
-        Sparse::new(self.len(), entries)
+        // Every bearing has entries between all modes of its elastic housing.
+        let modes = &self.housings.modes;
+        let mut blocks: Vec<_> = modes.iter().map(|modes| DMatrix::zeros(modes.len(), modes.len())).collect();
+        visit(&mut |row, column, value| match modes
+            .iter()
+            .position(|modes| modes.contains(&row) && modes.contains(&column))
+        {
+            Some(housing) => {
+                let start = modes[housing].start;
+                blocks[housing][(row - start, column - start)] += value;
+            }
+            None => entries.push((row, column, value)),
+        });
+        for (modes, block) in modes.iter().zip(&blocks) {
+            for (column, values) in modes.clone().zip(block.column_iter()) {
+                let values = modes.clone().zip(values.iter().copied()).filter(|(_, value)| *value != 0.0);
+                entries.extend(values.map(|(row, value)| (row, column, value)));
+            }
+        }
+        entries
     }
 
     fn visit_mass(&self, add: Add<'_>) {
@@ -393,12 +405,43 @@ impl Model {
             let coefficient = select(&link.local);
             for (i, left) in link.rows.iter().enumerate() {
                 for (j, right) in link.rows.iter().enumerate() {
-                    for (row, left) in left {
-                        for (column, right) in right {
-                            add(*row, *column, coefficient[i][j] * left * right);
-                        }
+                    let value = coefficient[i][j];
+                    if value != 0.0 {
+                        add_product(value, left, right, add);
                     }
                 }
+            }
+        }
+    }
+
+    /// `out +=` the product of the matrix of `visit_supports` and `x`.
+    fn multiply_supports(&self, select: impl Fn(&Support) -> [[f64; 2]; 2], x: &[f64], out: &mut [f64]) {
+        let force = |support: &Support, u: [f64; 2]| select(support).map(|row| row[0] * u[0] + row[1] * u[1]);
+        for support in &self.supports {
+            let index = support.index;
+            let [y, z] = force(support, [x[index], x[index + 1]]);
+            out[index] += y;
+            out[index + 1] += z;
+        }
+        for link in &self.links {
+            link.subtract(force(&link.local, link.scalars(x)).map(|force| -force), out);
+        }
+    }
+
+    /// `out +=` the product of the matrix of `visit_connections` and `x`.
+    fn multiply_connections(
+        &self,
+        speed: f64,
+        of: impl Fn(&Connection<'_>) -> DMatrix<f64>,
+        x: &[f64],
+        out: &mut [f64],
+    ) {
+        for connection in self.connections(speed).filter(Connection::is_local) {
+            let rows = connection.rows();
+            let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * x[*index]).sum::<f64>();
+            let scalars = DVector::from_iterator(rows.len(), rows.iter().map(scalar));
+            for (row, force) in rows.iter().zip(&(of(&connection) * scalars)) {
+                row.iter().for_each(|(index, coefficient)| out[*index] += coefficient * force);
             }
         }
     }
@@ -408,14 +451,18 @@ impl Model {
             let (rows, coefficients) = (connection.rows(), of(&connection));
             for (i, left) in rows.iter().enumerate() {
                 for (j, right) in rows.iter().enumerate() {
-                    let factor = coefficients[(i, j)];
-                    for (row, left) in left {
-                        for (column, right) in right {
-                            add(*row, *column, factor * left * right);
-                        }
-                    }
+                    add_product(coefficients[(i, j)], left, right, add);
                 }
             }
+        }
+    }
+}
+
+/// Adds value·left·rightᵀ.
+fn add_product(value: f64, left: &Row, right: &Row, add: Add<'_>) {
+    for (row, left) in left {
+        for (column, right) in right {
+            add(*row, *column, value * left * right);
         }
     }
 }

@@ -47,7 +47,7 @@ pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 pub use turning_bow::{bow_force, is_bowed};
 
-use crate::connection::{AppliedLoad, Connection, NonlinearBearing, SpeedDependentBearing, TurningBow};
+use crate::connection::{AppliedLoad, Connection, NonlinearBearing, Row, SpeedDependentBearing, TurningBow};
 use crate::linalg::NotPositiveDefinite;
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
@@ -366,12 +366,32 @@ impl Model {
         self.housings.solve_mass(x);
     }
 
-    /// Coordinates on which bearings, links and local connections act, with repetitions; `speed` of the reference shaft, rad/s.
-    pub fn coupled_coordinates(&self, speed: f64) -> Vec<usize> {
-        let rows = self.connections(speed).filter(Connection::is_local).flat_map(|connection| connection.rows());
-        let bearings = self.supports.iter().flat_map(|support| [support.index, support.index + 1]);
-        let links = self.links.iter().flat_map(|link| link.rows.iter().flatten().map(|(index, _)| *index));
-        rows.flatten().map(|(index, _)| index).chain(bearings).chain(links).collect()
+    /// Loads along which bearings, links and local connections act, each once and in a fixed order: on single coordinates, and on
+    /// the modes of an elastic housing at each of its interfaces; `speed` of the reference shaft, rad/s, `further` coordinates
+    /// with loads of their own.
+    pub fn coupled_loads(&self, speed: f64, further: impl IntoIterator<Item = usize>) -> Vec<Row> {
+        let mut single: Vec<usize> = further.into_iter().collect();
+        single.extend(self.supports.iter().flat_map(|support| [support.index, support.index + 1]));
+        let mut combined: Vec<Row> = Vec::new();
+        let mut add = |rows: &[Row]| {
+            for row in rows {
+                let (own, of_housings) = self.housings.split(row);
+                // The springs of the modes of an elastic housing are no interfaces.
+                single.extend(own.iter().map(|(index, _)| *index).filter(|index| !self.housings.is_mode(*index)));
+                for row in of_housings {
+                    if !combined.contains(&row) {
+                        combined.push(row);
+                    }
+                }
+            }
+        };
+        let local = self.connections(speed).filter(Connection::is_local);
+        local.for_each(|connection| add(&connection.rows()));
+        self.links.iter().for_each(|link| add(&link.rows));
+        single.retain(|index| *index < self.len());
+        single.sort_unstable();
+        single.dedup();
+        single.into_iter().map(|index| vec![(index, 1.0)]).chain(combined).collect()
     }
 
     /// Highest angular frequency of two free gears on their mesh stiffness, rad/s.

@@ -103,8 +103,14 @@ def new(given: argparse.Namespace) -> Answer:
         machine = example(given.example)
         source = machine.path
         speed = speed_text(machine.speed, given_unit(machine.speed) or "rad/s")
-    with replacing(path) as file:
-        file.write(source.read_bytes())
+    # A scene names the files of its elastic housings, which stand beside it.
+    bodies = source.parent.glob(f"{source.stem}.housing*.npz")
+    for given_file, target in (
+        (source, path),
+        *((one, path.with_name(one.name)) for one in bodies),
+    ):
+        with replacing(target) as file:
+            file.write(given_file.read_bytes())
     text = f'wrote {path}; next: gearbow check {path}, gearbow modes {path} --speed "{speed}"'
     return Answer(text, {"file": str(path)})
 

@@ -10,7 +10,13 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 
 from gearbow._types import Array, ComplexArray
 from gearbow.description.gears import Gear, Mesh
-from gearbow.description.layout import BodyOutline, ShaftOutline, Step
+from gearbow.description.layout import (
+    BaseOutline,
+    BodyOutline,
+    InterfaceOutline,
+    ShaftOutline,
+    Step,
+)
 from gearbow.description.places import housing_and_interface
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
@@ -147,7 +153,7 @@ class SideView:
         top = max(box[3] for shaft in shafts for box in self._own(self.train.layout.shaft(shaft)))
         top = max(top, edges[:, 3].max()) + margin
         (base,) = (each for each in self.train.layout.bases if each.name == name)
-        others = [each for each in base.interfaces if each.bearing is None]
+        others = _without_bearing(base)
         left = min([left, *(float(each.position[0]) for each in others)])
         right = max([right, *(float(each.position[0]) for each in others)])
         for each in others:  # the view has no height of its own for them
@@ -264,9 +270,20 @@ def end_extent(train: Train) -> Box:
         (shaft.origin, max(step.largest for step in (*shaft.steps, *shaft.sleeves)))
         for shaft in train.layout.shafts
     ]
+    found += [(each.position, 0.0) for each in _free_interfaces(train)]
     low = np.min([centre[1:] - radius for centre, radius in found], axis=0)
     high = np.max([centre[1:] + radius for centre, radius in found], axis=0)
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def _without_bearing(base: BaseOutline) -> list[InterfaceOutline]:
+    """Give the interfaces of a housing that carry no bearing."""
+    return [each for each in base.interfaces if each.bearing is None]
+
+
+def _free_interfaces(train: Train) -> list[InterfaceOutline]:
+    """Give the interfaces of all housings that carry no bearing."""
+    return [each for base in train.layout.bases for each in _without_bearing(base)]
 
 
 def line_of_action(pressure_angle: Any, centre_line_angle: Any, sense: float) -> Array:
@@ -330,6 +347,15 @@ def draw_end_view(panel: Axes, train: Train, shades: Mapping[str, str], point: f
             teeth = f", z = {gears[text].teeth}" if text in gears else ""
             places = _around_circle(np.array(axis), max(radii[name] for name in names))
             labels.add(f"{text}{teeth}", places)
+    # Interfaces behind each other are one square with the names of all.
+    behind: dict[tuple[float, float], list[str]] = {}
+    for each in _free_interfaces(train):
+        y, z = (round(float(value), 9) for value in each.position[1:])
+        behind.setdefault((y, z), []).append(each.name)
+    for (y, z), own in behind.items():
+        box = (y - 3.0 * point, z - 3.0 * point, y + 3.0 * point, z + 3.0 * point)
+        panel.add_patch(_rectangle(box, fc="0.4", ec="black", zorder=5.0))
+        labels.add(", ".join(own), around(_WAYS[:8], box), color="0.25")
     labels.place()
 
 

@@ -16,7 +16,7 @@ from gearbow._result import Column, Figured, Result, WithSpeeds, in_percent, pla
 from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.layout import Layout
+from gearbow.description.layout import BaseOutline, InterfaceOutline, Layout
 from gearbow.description.places import places as checked_places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.at_places import Motion
@@ -259,7 +259,7 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
             raise SceneError(f"places: must be a mapping of nodes to places, got {shown(places)}")
         if isinstance(measured, str | os.PathLike):
             path, _ = check_name(measured, [".uff", ".unv"], "measured")
-            measured = read_uff(path, places, self._nodes())
+            measured = read_uff(path, places, self._places())
         elif places is not None:
             raise SceneError("places: belongs to a universal file, which has numbers of nodes")
         if isinstance(measured, Modes):
@@ -295,8 +295,16 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         """Give the places of the nodes with lateral motion."""
         return list(dict.fromkeys((name, x) for name, x, kind in nodal(self.dofs) if kind == "v"))
 
+    def _interfaces(self) -> list[tuple[BaseOutline, InterfaceOutline]]:
+        """Give the interfaces of elastic housings, which are the nodes after those of shafts."""
+        return [(base, each) for base in self.layout.bases for each in base.interfaces]
+
+    def _places(self) -> list[At]:
+        """Give the places of the nodes of a universal file."""
+        return [*self._nodes(), *(each.name for _, each in self._interfaces())]
+
     def _save_own(self, path: "Path", _ending: str) -> None:
-        """Write a universal file with the translations of all nodes."""
+        """Write a universal file with the translations of all nodes and interfaces."""
         from gearbow.exchange.universal import write_uff  # noqa: PLC0415
 
         nodes = self._nodes()
@@ -305,12 +313,16 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         origins = {shaft.name: shaft.origin for shaft in self.layout.shafts}
         origins |= {base.name: base.centre for base in self.layout.bases}
         positions = [origins[name] + [x, 0.0, 0.0] for name, x in nodes]
+        positions += [each.position for _, each in self._interfaces()]
         index = {dof: i for i, dof in enumerate(self.dofs)}
-        along = np.zeros((len(self.shapes), len(nodes)), dtype=np.complex128)
+        along = np.zeros((len(self.shapes), len(positions)), dtype=np.complex128)
         for j, (name, x) in enumerate(nodes):
             if (name, x, "u") in index:
                 along[:, j] = self.shapes[:, index[name, x, "u"]]
-        shapes = np.concatenate([along[..., None], self.shapes_at(nodes)], axis=-1)
+        for j, (base, each) in enumerate(self._interfaces(), start=len(nodes)):
+            own = [i for i, (name, _, _) in enumerate(self.dofs) if name == base.name]
+            along[:, j] = self.shapes[:, own] @ each.rows[0]
+        shapes = np.concatenate([along[..., None], self.shapes_at(self._places())], axis=-1)
         write_uff(
             path,
             positions=np.array(positions),

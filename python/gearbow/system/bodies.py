@@ -1,6 +1,8 @@
 """Elastic bodies of scene files: a file beside the scene has the numbers of each.
 
-The scene names the file and the SHA-256 digest of its bytes.
+The scene names the file and the SHA-256 digest of its bytes. The name of the file has the first
+digits of the digest, so that a file is never replaced by other numbers: a scene and its files fit,
+whatever happens while another scene is written in its place.
 """
 
 import re
@@ -19,6 +21,8 @@ from gearbow.errors import SceneError
 #: Beginning of a section of TOML; the core writes lists of numbers on one line.
 _SECTION = re.compile(r"(?m)^(?=\[)")
 _BODY, _PART_OF_BODY = "[housings.elastic]", "[housings.elastic."
+#: Digits of the digest in a name: equal ones of different files would take millions of saves.
+_DIGITS = 12
 #: Springs of an interface, which may have none.
 _SPRINGS = ("stiffness", "damping")
 
@@ -29,12 +33,13 @@ def write_bodies(housings: tuple[Housing, ...], scene: str, path: Path) -> str:
     found, number = [], 0
     for section in _SECTION.split(scene):
         if section.startswith(_BODY):
+            data = _packed(bodies[number])
             number += 1
-            file = path.with_suffix(f".housing{'' if number == 1 else number}.npz")
-            data = _packed(bodies[number - 1])
+            digest = _digest(data)
+            file = path.with_suffix(f".housing-{digest.partition(':')[2][:_DIGITS]}.npz")
             with replacing(file) as opened:
                 opened.write(data)
-            found.append(f'{_BODY}\nfile = "{file.name}"\ndigest = "{_digest(data)}"\n\n')
+            found.append(f'{_BODY}\nfile = "{file.name}"\ndigest = "{digest}"\n\n')
         elif not section.startswith(_PART_OF_BODY):
             found.append(section)
     return "".join(found)

@@ -505,9 +505,10 @@ class RotorSystem(CheckedKeywords, Shown):
         path : str or path-like
             The file. Its name ends with ".toml" or ".rexs". A TOML file contains the sampled points
             of a bow that is given as a function. An elastic housing is in a file of its own that
-            belongs to it, such as "scene.housing.npz" beside "scene.toml". REXS 1.4, which
-            `read_rexs` reads, has shafts, gears, stages, bearings, couplings, masses, and constant
-            torques and forces.
+            belongs to it, such as "scene.housing-0123456789ab.npz" beside "scene.toml", whose name
+            follows from its content. Files of an earlier scene remain: another copy of this scene
+            may need them. REXS 1.4, which `read_rexs` reads, has shafts, gears, stages, bearings,
+            couplings, masses, and constant torques and forces.
 
         Raises
         ------
@@ -515,7 +516,7 @@ class RotorSystem(CheckedKeywords, Shown):
             If the name has another ending, a load is a function of time, or REXS cannot hold an
             essential part, for example a housing, a journal bearing or a support.
         OSError
-            If the file cannot be written. An existing file is unchanged.
+            If the file cannot be written. An existing scene and its files are unchanged.
 
         Warns
         -----

@@ -11,20 +11,17 @@ const MAX_RECORDED: usize = 128;
 /// Harmonics of the tooth meshing frequency, or of the rotation without teeth, that count as excited.
 const EXCITED_HARMONICS: f64 = 10.0;
 
-/// Loads on the interfaces as entries (index, coefficient): those of local connections, along their lines of action and on each
-/// coordinate, those of bearings and links, and unit loads at recorded coordinates. `speed` is that of the reference shaft,
+/// Loads of local connections along their lines of action, as entries (index, coefficient); `speed` is that of the reference shaft,
 /// rad/s.
-pub(super) fn interfaces(model: &Model, speed: f64, selection: &Selection) -> Vec<Row> {
-    let mut rows: Vec<Row> =
-        model.connections(speed).filter(Connection::is_local).flat_map(|connection| connection.rows()).collect();
-    let mut single = model.coupled_coordinates(speed);
-    if selection.displacements.len() <= MAX_RECORDED {
-        single.extend_from_slice(&selection.displacements);
-    }
-    single.sort_unstable();
-    single.dedup();
-    rows.extend(single.into_iter().filter(|index| *index < model.len()).map(|index| vec![(index, 1.0)]));
-    rows
+pub(super) fn lines_of_action(model: &Model, speed: f64) -> Vec<Row> {
+    model.connections(speed).filter(Connection::is_local).flat_map(|connection| connection.rows()).collect()
+}
+
+/// Loads on the coordinates and seats of connections, bearings and links, and on recorded coordinates.
+pub(super) fn coordinate_loads(model: &Model, speed: f64, selection: &Selection) -> Vec<Row> {
+    let recorded = &selection.displacements;
+    let recorded = if recorded.len() <= MAX_RECORDED { &recorded[..] } else { &[] };
+    model.coupled_loads(speed, recorded.iter().copied())
 }
 
 /// Loads of bows and of unbalances at two angles of each shaft, as entries (index, coefficient) over the displacements. At a

@@ -12,7 +12,7 @@ use super::known_reduction::{KnownReduction, Reduction, excess};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::Pilot;
-use super::ports::{excited_frequency, interfaces, rotating_loads};
+use super::ports::{coordinate_loads, excited_frequency, lines_of_action, rotating_loads};
 use super::ramp::{linear_model, reference_speed};
 use super::record::Record;
 use super::{RecordPlan, Run};
@@ -272,7 +272,8 @@ impl<'m> Reducer<'_, 'm> {
             excited,
             rotation: model.max_speed_ratio() * fastest.abs(),
             highest: is_large(model).then_some(limit * excited),
-            interfaces: interfaces(&linear_model.model, fastest, &plan.selection(model)),
+            interfaces: lines_of_action(&linear_model.model, fastest),
+            coordinates: coordinate_loads(&linear_model.model, fastest, &plan.selection(model)),
             // At a constant speed they act at the start. With meshes, the forces of the teeth matter more.
             distributed: if matches!(options.speed, Speed::Changing(_)) || is_large(model) && model.meshes.is_empty() {
                 rotating_loads(&linear_model.model)

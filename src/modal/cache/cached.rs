@@ -471,10 +471,9 @@ impl CachedModel {
             return self.projected(speed).map(Arc::new);
         }
         self.linear_part().subspaces.get_or_try(key.clone(), || {
-            let synthesised = key.highest.map(|highest| {
-                let loaded = key.interfaces.iter().flatten().map(|(index, _)| *index);
-                self.synthesised(speed, highest, loaded, &key.distributed)
-            });
+            let synthesised = key
+                .highest
+                .map(|highest| self.synthesised(speed, highest, [&key.coordinates[..], &key.distributed].concat()));
             let synthesised = synthesised.transpose()?;
             let all = match &synthesised {
                 Some(modes) => modes,
@@ -513,14 +512,11 @@ impl CachedModel {
             let highest = is_limited.then_some(GROWTH_LIMIT * key.excited);
             let find = || -> Result<_, DecompositionError> {
                 let linear = if let Some(highest) = highest {
-                    let mut coordinates = model.coupled_coordinates(first);
-                    coordinates.retain(|index| *index < model.len());
-                    coordinates.sort_unstable();
-                    coordinates.dedup();
+                    let loads = model.coupled_loads(first, []);
                     let modes = if key.highest.is_some() {
-                        self.synthesised(first, highest, [], &[])?.up_to(model, first, &coordinates, highest)?
+                        self.synthesised(first, highest, loads.clone())?.up_to(model, first, &loads, highest)?
                     } else {
-                        self.real_modes(first)?.up_to(model, first, &coordinates, highest)?
+                        self.real_modes(first)?.up_to(model, first, &loads, highest)?
                     };
                     Projected::new(model, modes, speed).state_space()?
                 } else {
@@ -538,22 +534,9 @@ impl CachedModel {
     }
 
     /// Undamped modes in the subspace of the component modes up to `highest`, rad/s, and of the static displacements under
-    /// loads at coupled coordinates, at the coordinates `loaded`, and under `distributed` ones; with the loaded tooth flanks of
-    /// `speed` (reference shaft, rad/s).
-    fn synthesised(
-        &self,
-        speed: f64,
-        highest: f64,
-        loaded: impl IntoIterator<Item = usize>,
-        distributed: &[Row],
-    ) -> Result<Arc<RealModes>, DecompositionError> {
-        let mut coordinates = self.model.coupled_coordinates(speed);
-        coordinates.extend(loaded);
-        coordinates.sort_unstable();
-        coordinates.dedup();
+    /// `loads`; with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    fn synthesised(&self, speed: f64, highest: f64, loads: Vec<Row>) -> Result<Arc<RealModes>, DecompositionError> {
         let rotation = self.model.rotation(speed);
-        let single = coordinates.into_iter().map(|index| vec![(index, 1.0)]);
-        let loads = single.chain(distributed.iter().cloned()).collect();
         let key = SynthesisKey { rotation: rotation as usize, highest, loads };
         self.linear_part().synthesised.get_or_try(key.clone(), || {
             self.component_modes()?.modes(&self.model, rotation.speed(), &key.loads, highest).map(Arc::new)

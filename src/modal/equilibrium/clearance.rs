@@ -1,13 +1,31 @@
 //! What the search of an equilibrium needs for nonlinear bearings: journals stay within their clearance, and rolling elements
 //! have a stiffness before they carry.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 
+use crate::connection::Row;
+use crate::linalg::CoupledBands;
 use crate::model::Model;
 use crate::scene::{EntryPath, SceneError};
 
-/// Row, column and value of a matrix entry. Entries with the same row and column add up.
-pub(in crate::modal) type Entry = (usize, usize, f64);
+/// A part of a tangent; parts add up.
+pub(in crate::modal) enum TangentPart {
+    /// Row, column and value of a matrix entry.
+    Entry(usize, usize, f64),
+    /// Scalars as entries over the coordinates, and the stiffness over them.
+    Form(Vec<Row>, DMatrix<f64>),
+}
+
+impl TangentPart {
+    /// Adds it to a matrix.
+    pub fn add_to(&self, model: &Model, sum: &mut CoupledBands) {
+        match self {
+            Self::Entry(row, column, value) => model.add_entry(sum, *row, *column, Complex64::from(*value)),
+            Self::Form(rows, stiffness) => model.add_form(sum, rows, |i, j| Complex64::from(stiffness[(i, j)])),
+        }
+    }
+}
 
 /// Stiffness that is added to rolling elements, relative to the one under the weight of their shaft, where the residual is
 /// round-off: it constrains a shaft that moves freely in the clearance.
@@ -18,17 +36,12 @@ const CLEARANCE_SHARE: f64 = 0.8;
 /// Stiffness that is added to rolling elements, which have none before they carry: the share of the residual in the load times
 /// the stiffness under the weight. It vanishes with the residual, so that the iteration converges as fast as Newton's method
 /// (Levenberg and Marquardt; Yamashita and Fukushima, Computing Suppl. 15, 2001).
-pub(in crate::modal) fn regularisation(model: &Model, part: f64) -> Vec<Entry> {
-    let mut entries = Vec::new();
-    for bearing in model.nonlinear_bearings.iter().filter(|bearing| bearing.elements().is_some()) {
+pub(in crate::modal) fn regularisation(model: &Model, part: f64) -> impl Iterator<Item = TangentPart> {
+    model.nonlinear_bearings.iter().filter(|bearing| bearing.elements().is_some()).map(move |bearing| {
         let stiffness = bearing.initial_stiffness * part.clamp(FREE, 1.0);
-        for row in &bearing.rows {
-            for (i, left) in row {
-                entries.extend(row.iter().map(|(j, right)| (*i, *j, stiffness * left * right)));
-            }
-        }
-    }
-    entries
+        let scalars = bearing.rows.len();
+        TangentPart::Form(bearing.rows.clone(), DMatrix::from_diagonal_element(scalars, scalars, stiffness))
+    })
 }
 
 /// Refuses eccentricity ratios outside a range: a journal that touches its bearing or carries no load.

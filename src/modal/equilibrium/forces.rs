@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::clearance::TangentPart;
 use super::{EquilibriumError, EquilibriumSpeeds};
 use crate::connection::{BearingTangent, Connection, NonlinearBearing, Row};
 use crate::linalg::ChainMatrix;
 use crate::mesh::{Flank, Geometry};
-use crate::modal::equilibrium::Entry;
 use crate::model::{Dof, DofKind, Model};
 
 /// Unbalanced force of a coordinate, relative to the sum of absolute terms |K||q| of its elastic and mesh forces, that the round-off of
@@ -240,7 +240,7 @@ impl<'m> AtRest<'m> {
         contacts: Contacts<'_>,
         laws: Laws<'_>,
         q: &DVector<f64>,
-        visit: &mut dyn FnMut(Entry),
+        visit: &mut dyn FnMut(TangentPart),
     ) -> Result<Forces, EquilibriumError> {
         let zero = || DVector::zeros(q.len());
         let mut forces = Forces { external: zero(), acting: zero(), elastic: zero(), round_off: zero() };
@@ -302,7 +302,7 @@ impl Forces {
         contacts: Contacts<'_>,
         laws: Laws<'_>,
         q: &[f64],
-        visit: &mut dyn FnMut(Entry),
+        visit: &mut dyn FnMut(TangentPart),
     ) -> Result<(), EquilibriumError> {
         let mut bearings = 0;
         for connection in model.connections(speeds.flanks) {
@@ -318,7 +318,9 @@ impl Forces {
                             continue;
                         }
                         let (pressed, directions) = mesh
-                            .mean_tangent(*geometry, sigma, back, q, |row, column, value| visit((row, column, value)))
+                            .mean_tangent(*geometry, sigma, back, q, |row, column, value| {
+                                visit(TangentPart::Entry(row, column, value))
+                            })
                             .map_err(|overlap| EquilibriumError::overlap(model, index, overlap))?;
                         let pulls = matches!(contacts, Contacts::Pressed) && mesh.backlash.is_some() && pressed < 0.0;
                         let pressed = if pulls { 0.0 } else { pressed };
@@ -349,15 +351,8 @@ impl Forces {
                     (&bearing.rows[..], known)
                 }
             };
-            for (i, left) in rows.iter().enumerate() {
-                self.add_over(left, -known[i]);
-                for (j, right) in rows.iter().enumerate() {
-                    for (row, factor) in left {
-                        let stiffness = factor * derivative[(i, j)];
-                        right.iter().for_each(|(column, factor)| visit((*row, *column, stiffness * factor)));
-                    }
-                }
-            }
+            rows.iter().zip(known.iter()).for_each(|(row, force)| self.add_over(row, -force));
+            visit(TangentPart::Form(rows.to_vec(), derivative));
         }
         Ok(())
     }

@@ -27,7 +27,7 @@ const NEGLIGIBLE_SHARE: f64 = 0.01;
 const ROTATION_MARGIN: f64 = 1.5;
 /// A static shape whose energy outside of the other shapes is below this share of its interface is round-off.
 const DEPENDENCE_TOLERANCE: f64 = 1e-10;
-/// Weight of the load on a single coordinate relative to those of connections, which act along lines of action. With 0.003,
+/// Weight of the load on a single coordinate or seat relative to those of connections, which act along lines of action. With 0.003,
 /// a train with separation loses modes that matter: its error of mesh forces rises from 1.5e-3 to 2.3e-2.
 const COORDINATE_WEIGHT: f64 = 0.03;
 /// Range of L in which a given number of modes is sought, and the ratio of two L that end the search.
@@ -56,9 +56,10 @@ pub struct SubspaceKey {
     /// Highest frequency of the component modes from which those of a large model follow, rad/s; none for all modes of a
     /// small model.
     pub highest: Option<f64>,
-    /// Loads on the interfaces as entries (index, coefficient). A large model keeps the static displacement under unit loads
-    /// at all their coordinates.
+    /// Loads of connections along their lines of action, as entries (index, coefficient).
     pub interfaces: Vec<Row>,
+    /// Loads on single coordinates and on the seats of elastic housings, whose static displacements a large model keeps.
+    pub coordinates: Vec<Row>,
     /// Further loads, on many coordinates of a shaft, as entries (index, coefficient), whose static displacements it keeps too.
     pub distributed: Vec<Row>,
     /// How many modes the run keeps; none keeps all.
@@ -79,11 +80,8 @@ pub fn kept_modes(
     let Some(extent) = key.extent else {
         return Ok(all.clone());
     };
-    let interfaces = Interfaces::new(
-        all,
-        &[&key.interfaces[..], &key.distributed].concat(),
-        model.scene.modal_damping.numbered_modes(),
-    );
+    let along = [&key.interfaces[..], &key.distributed].concat();
+    let interfaces = Interfaces::new(all, &along, &key.coordinates, model.scene.modal_damping.numbered_modes());
     let (kept, statics) = match extent {
         Extent::Limit(limit) => interfaces.of_limit(key, limit),
         Extent::Count(count) => interfaces.of_count(key, count.saturating_sub(all.null)),
@@ -92,8 +90,8 @@ pub fn kept_modes(
 }
 
 impl RealModes {
-    /// The modes up to `highest`, rad/s, and the static displacements of the others under unit loads at `coordinates`, with the
-    /// loaded tooth flanks of `speed` (reference shaft, rad/s).
+    /// The modes up to `highest`, rad/s, and the static displacements of the others under `loads`, with the loaded tooth flanks of
+    /// `speed` (reference shaft, rad/s).
     ///
     /// # Errors
     /// [`DecompositionError`] if the decomposition of the static shapes fails.
@@ -101,11 +99,10 @@ impl RealModes {
         &self,
         model: &Model,
         speed: f64,
-        coordinates: &[usize],
+        loads: &[Row],
         highest: f64,
     ) -> Result<Self, DecompositionError> {
-        let rows: Vec<Row> = coordinates.iter().map(|index| vec![(*index, 1.0)]).collect();
-        let interfaces = Interfaces::new(self, &rows, 0);
+        let interfaces = Interfaces::new(self, &[], loads, 0);
         let kept: Vec<usize> =
             (0..interfaces.shares.len()).filter(|mode| interfaces.frequencies[*mode] <= highest).collect();
         let statics = interfaces.static_shapes(&kept, usize::MAX, DEPENDENCE_TOLERANCE);
@@ -126,11 +123,12 @@ struct Interfaces {
 }
 
 impl Interfaces {
-    fn new(all: &RealModes, rows: &[Row], numbered: usize) -> Self {
+    /// The interfaces of loads `along` lines of action and of those on single `coordinates`.
+    fn new(all: &RealModes, along: &[Row], coordinates: &[Row], numbered: usize) -> Self {
         let (null, elastic) = (all.null, all.frequencies.len() - all.null);
         let frequencies = all.frequencies.rows(null, elastic).into_owned();
-        let mut energies = DMatrix::zeros(elastic, rows.len());
-        for (mut column, row) in energies.column_iter_mut().zip(rows) {
+        let mut energies = DMatrix::zeros(elastic, along.len() + coordinates.len());
+        for (mut column, row) in energies.column_iter_mut().zip(along.iter().chain(coordinates)) {
             for (mode, entry) in column.iter_mut().enumerate() {
                 let load: f64 = row.iter().map(|(index, value)| all.vectors[(*index, null + mode)] * value).sum();
                 *entry = load / frequencies[mode];
@@ -140,8 +138,9 @@ impl Interfaces {
                 column /= size;
             }
         }
-        let weights: Vec<f64> =
-            rows.iter().map(|row| if row.len() == 1 { COORDINATE_WEIGHT * COORDINATE_WEIGHT } else { 1.0 }).collect();
+        let single = COORDINATE_WEIGHT * COORDINATE_WEIGHT;
+        let weights = along.iter().map(|row| if row.len() == 1 { single } else { 1.0 });
+        let weights: Vec<f64> = weights.chain(coordinates.iter().map(|_| single)).collect();
         let shares = energies
             .row_iter()
             .map(|row| row.iter().zip(&weights).map(|(entry, weight)| weight * entry * entry).fold(0.0, f64::max))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ import scipy.linalg
 import scipy.sparse
 
 import gearbow as gb
+from gearbow.exchange.universal import data_sets, read_uff
 from reference import machines
+from reference.elastic import system as elastic
 from reference.frames import Frame
 
 
@@ -342,6 +345,41 @@ def test_interfaces_are_places_of_results() -> None:
     assert "modes" in modes.table() or "housing" in modes.table()
     ground = system.frequency_response([100.0], source=gb.GroundMotion(1.0))
     assert np.abs(ground.displacement("sensor")).max() > 0.0
+
+
+def test_universal_files_of_modes_have_the_interfaces(tmp_path: Path) -> None:
+    system = elastic("housing", sensor=True)
+    modes = system.modes(count=8)
+    modes.save(tmp_path / "modes.uff")
+    nodes, *sets = data_sets(tmp_path / "modes.uff")
+    (housing,) = system.housings
+    assert housing.elastic is not None
+    own = housing.elastic.interfaces
+    # the interfaces are the last nodes, with their motion along x too
+    last = [line for line in nodes.lines() if line.strip()][-1]
+    assert [float(x) for x in last.split()] == list(own[list(own)[-1]]["position"])
+    at = [i for i, (name, _, _) in enumerate(modes.dofs) if name == "housing"]
+    x = modes.shapes[:, at] @ np.array(own["sensor"]["rows"][0])
+    numbers = {name: len(modes._nodes()) + 1 + i for i, name in enumerate(own)}
+    for mode, given in enumerate(sets):
+        lines = given.lines()
+        line = lines[lines.index(f"{numbers['sensor']:10d}", 8) + 1].split()
+        moved = [float(line[i]) + 1j * float(line[i + 1]) for i in (0, 2, 4)]
+        expected = [x[mode], *modes.displacement("sensor")[mode]]
+        # five digits of the format
+        assert moved == pytest.approx(expected, rel=1e-5, abs=1e-12)
+    found = modes.compare(tmp_path / "modes.uff")
+    assert "sensor" in read_uff(tmp_path / "modes.uff", None, modes._places()).places
+    moves = modes._translations(modes._places()).any(axis=(1, 2))  # others move along the axis only
+    assert moves.sum() >= 3
+    assert np.diag(found.mac)[moves] == pytest.approx(np.ones(moves.sum()), abs=1e-9)
+
+
+def test_the_end_view_shows_interfaces_without_bearings() -> None:
+    view = elastic("housing", sensor=True).plot().axes[1]
+    assert "sensor" in {text.get_text() for text in view.texts}
+    (low, high) = view.get_ylim()
+    assert low < 0.2 < high  # its height
 
 
 def test_scenes_keep_an_elastic_housing() -> None:

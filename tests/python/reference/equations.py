@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -364,9 +365,10 @@ class Balance:
                 other = base[0] if isinstance(base, tuple) else getattr(base, "name", base)
                 self._add(other, *force, x=axial if isinstance(base, tuple) else 0.0)
         for body in self._carriers():
-            k_y, k_z = np.broadcast_to(np.asarray(body.stiffness, dtype=float), 2)
-            v, w = self._taken(self.motion.displacement(body.name))
-            self._add(body.name, -k_y * v, -k_z * w)
+            for place, stiffness in _mounts(body):
+                k_y, k_z = np.broadcast_to(np.asarray(stiffness, dtype=float), 2)
+                v, w = self._taken(self.motion.displacement(place))
+                self._add(body.name, -k_y * v, -k_z * w)
 
     def _coupling(self, coupling: gb.Coupling) -> None:
         def apart(measure):
@@ -382,6 +384,19 @@ class Balance:
         )
         self._add(coupling.a[0], *pull)
         self._add(coupling.b[0], *(-value for value in pull))
+
+
+def _mounts(body: gb.Housing | gb.Support) -> list[tuple[str, Any]]:
+    """Places of a housing with springs to the ground, and their stiffness along y and z [N/m].
+
+    The forces on a clamped elastic housing do not balance: what holds it is not in the model.
+    """
+    elastic = getattr(body, "elastic", None)
+    if elastic is None:
+        return [(body.name, body.stiffness)]
+    assert elastic.translation is not None, "a clamped housing has no balance"
+    own = {name: each.get("stiffness") for name, each in elastic.interfaces.items()}
+    return [(name, given[1:]) for name, given in own.items() if given]
 
 
 def is_ring(bearing: gb.Bearing | gb.JournalBearing | gb.RollingBearing) -> bool:
