@@ -12,13 +12,12 @@ use super::{AnalysisError, Interrupt, Threads};
 use crate::linalg::Side;
 use crate::modal::{CachedModel, DynamicKey, Highest, null_motions};
 use crate::model::Model;
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::EntryPath;
 
 /// Backward error up to which a response is not refined. Times the condition of the matrix it is the error of the response: at
 /// 2,000 frequencies of a rotor on bearings with little damping, below 5e-9 of it.
 const BACKWARD_ERROR: f64 = 1e-13;
-/// Work of a force on a rigid-body motion, relative to the product of their sizes, from which the force drives the motion.
-const DRIVES: f64 = 1e-9;
 
 /// Sources that act with one frequency at one speed.
 #[derive(Clone, Copy, Debug)]
@@ -139,7 +138,7 @@ fn check_rigid_body_motion(
         let drives = |motion: DVector<f64>| {
             let work: Complex<f64> = motion.iter().zip(force.iter()).map(|(motion, force)| force * *motion).sum();
             let size: f64 = motion.iter().zip(force.iter()).map(|(motion, force)| motion.abs() * force.norm()).sum();
-            work.norm() > DRIVES * size
+            work.norm() > EQUALITY_TOLERANCE * size
         };
         if null.column_iter().any(|motion| drives(motion.into_owned())) {
             return Err(path

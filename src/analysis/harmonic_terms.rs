@@ -20,13 +20,18 @@ use crate::modal::CachedModel;
 use crate::model::{Model, StructuralDamping};
 use crate::scene::Node;
 
+/// The matrices B_j.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Term {
+    Constant,
+    Structural,
+    Rate,
+    Gyroscopic,
+    Inertia,
+}
+
 /// Number of matrices B_j.
-pub const TERMS: usize = 5;
-const CONSTANT: usize = 0;
-const STRUCTURAL: usize = 1;
-const RATE: usize = 2;
-const GYROSCOPIC: usize = 3;
-const INERTIA: usize = 4;
+pub const TERMS: usize = Term::Inertia as usize + 1;
 
 /// Entry of B: row, column, and the entry of each B_j.
 pub type Entry = (usize, usize, [Complex64; TERMS]);
@@ -116,20 +121,21 @@ pub fn harmonic_terms(
         places[dof.index] = (place, dof.sign);
     }
     let mut entries: Vec<Entry> = Vec::new();
-    let mut add = |row: usize, column: usize, term: usize, value: Complex64| {
+    let mut add = |row: usize, column: usize, term: Term, value: Complex64| {
         let ((row, left), (column, right)) = (places[row], places[column]);
         entries.push((row, column, at_term(term, value * (left * right))));
     };
     let changes = model.matrix_changes(base.map(|base| (&base.cached.model, speed)), speed);
-    let terms = [(CONSTANT, -1.0), (STRUCTURAL, -1.0), (RATE, -1.0), (GYROSCOPIC, -1.0), (INERTIA, 1.0)];
-    for ((term, factor), changes) in terms.into_iter().zip(changes) {
+    let terms = [Term::Constant, Term::Structural, Term::Rate, Term::Gyroscopic, Term::Inertia];
+    for (term, changes) in terms.into_iter().zip(changes) {
+        let factor = if term == Term::Inertia { 1.0 } else { -1.0 };
         changes.into_iter().for_each(|(row, column, value)| add(row, column, term, Complex64::from(factor * value)));
     }
     for (system, factor) in [(Some(system), -1.0), (base, 1.0)] {
         let Some(system) = system else { continue };
         let lossy = structural.map(|damping| system.cached.model.structural_of_shafts(damping));
         for (row, column, value) in lossy.into_iter().flatten() {
-            add(row, column, CONSTANT, value * factor);
+            add(row, column, Term::Constant, value * factor);
         }
     }
     for (system, factor) in [(Some(system), 1.0), (base, -1.0)] {
@@ -152,8 +158,8 @@ pub fn harmonic_terms(
 }
 
 /// A value in one of the B_j.
-fn at_term(term: usize, value: Complex64) -> [Complex64; TERMS] {
-    std::array::from_fn(|own| if own == term { value } else { Complex64::ZERO })
+fn at_term(term: Term, value: Complex64) -> [Complex64; TERMS] {
+    std::array::from_fn(|own| if own == term as usize { value } else { Complex64::ZERO })
 }
 
 /// Constant, structural, damping and inertia parts of values over the frequency, from two frequencies of either sign; places
@@ -175,10 +181,10 @@ fn over_frequency(
         let inertia = (even[1] - even[0]) / 3.0;
         let rate = odd[1] - odd[0];
         let mut values = [Complex64::ZERO; TERMS];
-        values[CONSTANT] = even[0] - inertia;
-        values[STRUCTURAL] = (odd[0] - rate) / Complex64::I;
-        values[RATE] = rate / Complex64::new(0.0, scale);
-        values[INERTIA] = inertia / (scale * scale);
+        values[Term::Constant as usize] = even[0] - inertia;
+        values[Term::Structural as usize] = (odd[0] - rate) / Complex64::I;
+        values[Term::Rate as usize] = rate / Complex64::new(0.0, scale);
+        values[Term::Inertia as usize] = inertia / (scale * scale);
         found.push((place, values));
     }
     found

@@ -6,22 +6,20 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Complex;
 
-use super::modes::lowest_modes_in_tables;
+use super::own_frequency::lowest_modes_in_tables;
 use super::{AnalysisError, Interrupt, Threads};
-use crate::modal::{CachedModel, is_growing};
+use crate::modal::{CachedModel, MIN_BANDED, is_growing};
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Number of lowest modes that are examined.
 const EXAMINED_MODES: usize = 6;
 /// Number of modes more for each bearing, whose damper can make four modes without oscillation.
 const MODES_OF_BEARING: usize = 4;
-/// Smallest number of degrees of freedom for which few undamped modes tell faster than the modes whether one grows, and the
-/// number of these modes.
-const MIN_APPROXIMATED: usize = 100;
+/// Number of undamped modes which tell faster than the damped modes whether one grows.
 const APPROXIMATED_MODES: usize = 24;
 /// Ratio of Re λ to |λ| in few undamped modes above which its sign is that of the mode, and below which it is zero. The error of the
 /// approximations is about 1e-3 of their damping.
 const CLEAR_RATIO: f64 = 1e-3;
-const ROUND_OFF_RATIO: f64 = 1e-9;
 /// Number of speeds that are examined at first, from the first to the last speed.
 const FIRST_SPEEDS: usize = 9;
 
@@ -40,12 +38,12 @@ pub fn is_unstable(cached: &CachedModel, speed: f64, interrupt: &Interrupt) -> R
         return Ok(false);
     }
     // The approximations have no structural damping.
-    if at_speed.model.len() >= MIN_APPROXIMATED
+    if at_speed.model.len() >= MIN_BANDED
         && !at_speed.model.has_structural_damping()
         && let Some(values) = at_speed.approximate_eigenvalues(speed, APPROXIMATED_MODES)?
     {
         let ratios = values.iter().filter(|value| value.norm() > 0.0).map(|value| value.re / value.norm());
-        let is_clear = |ratio: f64| ratio.abs() > CLEAR_RATIO || ratio.abs() < ROUND_OFF_RATIO;
+        let is_clear = |ratio: f64| ratio.abs() > CLEAR_RATIO || ratio.abs() < EQUALITY_TOLERANCE;
         if ratios.clone().all(is_clear) {
             return Ok(ratios.clone().any(|ratio| ratio > CLEAR_RATIO));
         }

@@ -1,12 +1,9 @@
 //! The lowest modes: from band matrices for a few modes of a large model, otherwise from dense matrices.
 
-use super::own_frequency::{self, Outside};
 use super::{AnalysisError, Dense};
-use crate::modal::{self, CachedModel, Highest, MAX_DENSE, Mode, ModeSelection, Residual};
+use crate::modal::{self, CachedModel, Highest, MAX_DENSE, MIN_BANDED, Mode, ModeSelection, Residual};
 use crate::model::Model;
 
-/// Smallest number of degrees of freedom for which band matrices are faster than dense ones.
-const MIN_BAND_COORDINATES: usize = 100;
 /// Part of all modes up to which they are a few: band matrices are then faster, and the gaps between modes are wide.
 const MAX_BAND_MODE_FRACTION: f64 = 0.15;
 
@@ -15,7 +12,7 @@ pub(super) const FURTHER_MODES: usize = 5;
 
 /// Whether band matrices are faster than dense ones for one response.
 pub(super) fn is_banded(model: &Model) -> bool {
-    model.len() >= MIN_BAND_COORDINATES
+    model.len() >= MIN_BANDED
 }
 
 /// Whether band matrices are faster than dense ones for `count` modes.
@@ -28,13 +25,13 @@ pub(super) fn highest_damped(model: &Model, count: usize) -> Highest {
     if uses_bands(model, count) { Highest::Mode(count) } else { Highest::Frequency(f64::INFINITY) }
 }
 
-/// Memory that [`lowest_modes`] needs at first.
+/// Memory that the `count` lowest modes need at first.
 pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
     if uses_bands(model, count) { Dense::Bands } else { Dense::Damped }
 }
 
-/// The `count` lowest modes of a selection at `speed` of the reference shaft, rad/s, in ascending order of |λ|. A model with fewer
-/// vibrations gives fewer.
+/// The `count` lowest modes of a selection at `speed` of the reference shaft, rad/s, in ascending order of |λ|, of a model whose
+/// coefficients do not depend on the frequency. A model with fewer vibrations gives fewer.
 ///
 /// Among very many overdamped modes, as Rayleigh damping causes them, a few cannot be told apart from the others; they come
 /// from dense matrices, which take minutes with 2000 degrees of freedom.
@@ -42,37 +39,6 @@ pub fn memory_of_modes(model: &Model, count: usize) -> Dense {
 /// # Errors
 /// [`AnalysisError`] if a decomposition fails, a bearing has no coefficients at the speed, dense matrices are needed and
 /// are too large, or a mode does not satisfy the equations of motion.
-pub fn lowest_modes(
-    cached: &CachedModel,
-    speed: f64,
-    count: usize,
-    selection: ModeSelection,
-) -> Result<Vec<Mode>, AnalysisError> {
-    if cached.model.depends_on_frequency() {
-        return accurate(own_frequency::modes(cached, speed, count, selection, Outside::Refuse)?, speed);
-    }
-    linear_modes(cached, speed, count, selection)
-}
-
-/// The `count` lowest modes, as [`lowest_modes`]. Modes whose frequency lies outside the tables of bearings are left out.
-///
-/// # Errors
-/// As [`lowest_modes`].
-pub(super) fn lowest_modes_in_tables(
-    cached: &CachedModel,
-    speed: f64,
-    count: usize,
-) -> Result<Vec<Mode>, AnalysisError> {
-    if cached.model.depends_on_frequency() {
-        return accurate(own_frequency::modes(cached, speed, count, ModeSelection::All, Outside::LeaveOut)?, speed);
-    }
-    linear_modes(cached, speed, count, ModeSelection::All)
-}
-
-/// The same as [`lowest_modes`] of a model whose coefficients do not depend on the frequency.
-///
-/// # Errors
-/// As [`lowest_modes`].
 pub(super) fn linear_modes(
     cached: &CachedModel,
     speed: f64,
@@ -93,7 +59,7 @@ pub(super) fn linear_modes(
 }
 
 /// The modes, if all of them satisfy the equations of motion at `speed`, rad/s.
-fn accurate(modes: Vec<Mode>, speed: f64) -> Result<Vec<Mode>, AnalysisError> {
+pub(super) fn accurate(modes: Vec<Mode>, speed: f64) -> Result<Vec<Mode>, AnalysisError> {
     for (index, mode) in modes.iter().enumerate() {
         let name = || format!("mode {} with {} Hz at {speed} rad/s", index + 1, mode.frequency_hz());
         require(mode.residual, name)?;

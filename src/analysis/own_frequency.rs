@@ -9,25 +9,19 @@
 use num_complex::Complex64;
 
 use super::AnalysisError;
-use super::modes::{FURTHER_MODES, highest_damped, linear_modes};
+use super::modes::{FURTHER_MODES, accurate, highest_damped, linear_modes};
 use crate::modal::{self, CachedModel, Eigenpair, Highest, Mode, ModeAtSpeed, ModeSelection, ascending};
-use crate::numerics::{Sample, root};
+use crate::numerics::{EQUALITY_TOLERANCE, ROOT_OF_ROUND_OFF, ROUND_OFF, Sample, root};
 use crate::scene::SceneError;
 
 /// Largest number of frequencies of the tables at which all modes are computed.
 const MAX_SAMPLES: usize = 16;
-/// Relative difference of the frequency of a mode and that of its coefficients.
-const CONVERGED: f64 = 1e-12;
-/// Relative difference that round-off may leave where no iteration decreases it further.
-const STALLED: f64 = 1e-9;
 /// Largest number of frequencies in the search of one mode.
 const MAX_ITERATIONS: usize = 40;
-/// Relative distance below which two eigenvalues count as equal.
-const EQUAL_EIGENVALUES: f64 = 1e-8;
 
 /// What happens with modes whose frequency lies outside the tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outside {
+enum Outside {
     /// They are an error.
     Refuse,
     /// They are left out.
@@ -50,22 +44,48 @@ impl LinearModes {
     /// Whether another mode has the same eigenvalue.
     fn is_multiple(&self, index: usize) -> bool {
         let value = self.modes[index].eigenvalue;
-        let equals = |other: usize| (self.modes[other].eigenvalue - value).norm() <= EQUAL_EIGENVALUES * value.norm();
+        let equals = |other: usize| (self.modes[other].eigenvalue - value).norm() <= ROOT_OF_ROUND_OFF * value.norm();
         (0..self.modes.len()).any(|other| other != index && equals(other))
     }
 }
 
-/// The `count` lowest modes of a selection at `speed` of the reference shaft, rad/s, in ascending order of |λ|.
+/// The `count` lowest modes of a selection at `speed` of the reference shaft, rad/s, in ascending order of |λ|; a model with fewer
+/// vibrations gives fewer.
 ///
 /// # Errors
-/// [`AnalysisError`] if a decomposition fails, a search does not converge, or a mode lies outside the tables and is not left out.
-pub(super) fn modes(
+/// As [`linear_modes`], and if a search does not converge or a mode lies outside the tables of bearings.
+pub fn lowest_modes(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+    selection: ModeSelection,
+) -> Result<Vec<Mode>, AnalysisError> {
+    modes(cached, speed, count, selection, Outside::Refuse)
+}
+
+/// The `count` lowest modes, as [`lowest_modes`]. Modes whose frequency lies outside the tables of bearings are left out.
+///
+/// # Errors
+/// As [`linear_modes`], and if a search does not converge.
+pub(super) fn lowest_modes_in_tables(
+    cached: &CachedModel,
+    speed: f64,
+    count: usize,
+) -> Result<Vec<Mode>, AnalysisError> {
+    modes(cached, speed, count, ModeSelection::All, Outside::LeaveOut)
+}
+
+/// As [`lowest_modes`].
+fn modes(
     cached: &CachedModel,
     speed: f64,
     count: usize,
     selection: ModeSelection,
     outside: Outside,
 ) -> Result<Vec<Mode>, AnalysisError> {
+    if !cached.model.depends_on_frequency() {
+        return linear_modes(cached, speed, count, selection);
+    }
     let mut wanted = count;
     loop {
         let mut found = lowest(cached, speed, wanted, outside)?;
@@ -73,7 +93,7 @@ pub(super) fn modes(
         found.retain(|mode| selection.contains(&cached.model, speed, mode.eigenvalue));
         if found.len() >= count || is_all {
             found.truncate(count);
-            return Ok(found);
+            return accurate(found, speed);
         }
         // Half as many again where the model has far more other motions than vibrations.
         wanted += (count - found.len()).max(wanted / 2);
@@ -159,7 +179,7 @@ pub(super) fn mode_near(
         let sample = Sample { at: frequency, value: wanted - frequency };
         at = met;
         let is_stalled = previous.is_some_and(|known| sample.value.abs() >= known.value.abs() / 2.0);
-        if sample.value.abs() <= CONVERGED * wanted || is_stalled && sample.value.abs() <= STALLED * wanted {
+        if sample.value.abs() <= ROUND_OFF * wanted || is_stalled && sample.value.abs() <= EQUALITY_TOLERANCE * wanted {
             // Refuses a frequency outside the tables.
             cached.at(speed, at.eigenvalue.im)?;
             return Ok(Some(at));
@@ -212,7 +232,7 @@ impl Search<'_> {
             let start = ModeAtSpeed { speed: self.speed, eigenvalue, shape };
             let is_new = |met: &ModeAtSpeed| {
                 let distance = |mode: &Mode| (mode.eigenvalue - met.eigenvalue).norm();
-                known.iter().all(|mode| distance(mode) > EQUAL_EIGENVALUES * met.eigenvalue.norm())
+                known.iter().all(|mode| distance(mode) > ROOT_OF_ROUND_OFF * met.eigenvalue.norm())
             };
             let is_between = |met: &ModeAtSpeed| (low.frequency..=high.frequency).contains(&met.eigenvalue.im);
             let met = mode_near(self.cached, self.highest(), &start)?;
@@ -229,7 +249,7 @@ impl Search<'_> {
         })?;
         let found = self.at(frequency)?;
         let value = found.modes[index].eigenvalue;
-        if (value.im - frequency).abs() > STALLED * frequency {
+        if (value.im - frequency).abs() > EQUALITY_TOLERANCE * frequency {
             let message = format!(
                 "mode {} at {} rad/s: no frequency near {frequency:.6} rad/s agrees with that of its bearing coefficients, which change too fast there; give more frequencies in the table",
                 index + 1,
@@ -237,7 +257,7 @@ impl Search<'_> {
             );
             return Err(AnalysisError::Convergence(message));
         }
-        let equals = |mode: &&Mode| (mode.eigenvalue - value).norm() <= EQUAL_EIGENVALUES * value.norm();
+        let equals = |mode: &&Mode| (mode.eigenvalue - value).norm() <= ROOT_OF_ROUND_OFF * value.norm();
         Ok(found.modes[index..].iter().take_while(equals).cloned().collect())
     }
 

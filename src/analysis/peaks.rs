@@ -12,10 +12,7 @@ use super::instability::is_unstable;
 use super::synchronous::{highest_spin, synchronous_of};
 use super::{AnalysisError, ExcitationPart, Interrupt};
 use crate::modal::CachedModel;
-use crate::numerics::{Sample, maximum, root};
-
-/// Relative tolerance of the speed of a peak. A maximum is flat; round-off prevents a smaller tolerance.
-const PEAK_TOLERANCE: f64 = 1e-9;
+use crate::numerics::{EQUALITY_TOLERANCE, Sample, maximum, root};
 
 /// The measured quantity: the major semi-axis of the orbit of a node.
 #[derive(Clone, Copy, Debug)]
@@ -98,7 +95,8 @@ fn peaks_from_zero_speed(
         if sizes[at] <= sizes[at - 1] || sizes[at] < sizes[at + 1] {
             continue;
         }
-        let Sample { at: speed, value: amplitude } = maximum(speeds[at - 1], speeds[at + 1], PEAK_TOLERANCE, size)?;
+        // A maximum is flat; round-off prevents a smaller tolerance.
+        let Sample { at: speed, value: amplitude } = maximum(speeds[at - 1], speeds[at + 1], EQUALITY_TOLERANCE, size)?;
         let half = FRAC_1_SQRT_2 * amplitude;
         let below = (0..=at).rev().find(|index| speeds[*index] < speed && sizes[*index] < half);
         let above = (at..sizes.len()).find(|index| speeds[*index] > speed && sizes[*index] < half);

@@ -13,7 +13,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use super::AnalysisError;
 
 /// Stack size of a thread, bytes; the usual size of a main thread.
-const STACK: usize = 8 << 20;
+pub const STACK: usize = 8 << 20;
 /// Number of points for each thread that are prepared together: enough to keep all threads busy, and little memory.
 const POINTS_PER_THREAD: usize = 16;
 

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::numerics::ROUND_OFF;
 use nalgebra::{Complex, ComplexField};
 use pulp::Arch;
 use thiserror::Error;
@@ -21,8 +22,6 @@ pub trait Number: ComplexField<RealField = f64> + Copy {}
 
 impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
-/// An imaginary part below this fraction of the real part is round-off.
-const IMAGINARY_TOLERANCE: f64 = 1e-12;
 /// Number of subdiagonals of shafts of degree one in torsion.
 const TORSION_BAND_WIDTH: usize = 1;
 /// The same in bending.
@@ -146,10 +145,8 @@ impl<T: Number> Band<T> {
 impl Band<Complex<f64>> {
     /// The same matrix with real numbers, if every entry is real but for round-off.
     pub fn real(&self) -> Option<Band<f64>> {
-        let entries = self
-            .entries
-            .iter()
-            .map(|value| (value.im.abs() <= IMAGINARY_TOLERANCE * value.re.abs()).then_some(value.re));
+        let entries =
+            self.entries.iter().map(|value| (value.im.abs() <= ROUND_OFF * value.re.abs()).then_some(value.re));
         Some(Band { reach: self.reach, size: self.size, entries: entries.collect::<Option<_>>()? })
     }
 }

@@ -6,9 +6,8 @@
 use pulp::Arch;
 
 use super::band::Number;
+use super::product::LANES;
 
-/// Number of partial sums of a product.
-const PARTIAL_SUMS: usize = 8;
 /// Columns that share one pass over the vector.
 const COLUMNS_PER_PASS: usize = 4;
 
@@ -34,10 +33,10 @@ pub fn products<T: Number>(columns: &[T], x: &[T]) -> Vec<T> {
 
 #[inline(always)]
 fn products_of<T: Number, const N: usize>(columns: &[T], x: &[T]) -> [T; N] {
-    let mut sums = [[T::zero(); PARTIAL_SUMS]; N];
-    let (whole, last) = x.as_chunks::<PARTIAL_SUMS>();
+    let mut sums = [[T::zero(); LANES]; N];
+    let (whole, last) = x.as_chunks::<LANES>();
     let columns: [&[T]; N] = std::array::from_fn(|k| &columns[k * x.len()..(k + 1) * x.len()]);
-    let chunks: [&[[T; PARTIAL_SUMS]]; N] = columns.map(|column| &column.as_chunks::<PARTIAL_SUMS>().0[..whole.len()]);
+    let chunks: [&[[T; LANES]]; N] = columns.map(|column| &column.as_chunks::<LANES>().0[..whole.len()]);
     for (i, x) in whole.iter().enumerate() {
         for (sums, column) in sums.iter_mut().zip(chunks) {
             for ((sum, value), x) in sums.iter_mut().zip(column[i]).zip(x) {

@@ -36,6 +36,7 @@ use super::blocks::{BlockFactors, Blocks};
 use super::couplings::{Couplings, Motion, chain_of};
 use super::dense::ENTRY_ROUND_OFF;
 use super::determinant::Determinant;
+use crate::numerics::SUM_ROUND_OFF;
 
 /// Which system of equations is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,12 +52,10 @@ pub type BandChain = Band<Complex64>;
 /// LU factors of one chain.
 type ChainFactors = BandLu<Complex64>;
 
-/// Componentwise backward error at which refinement ends.
-const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Componentwise backward error from which one refinement reaches round-off: it reduces the error a thousandfold or more.
 const REFINED_ONCE: f64 = 1e-12;
 /// Largest componentwise backward error of a solution.
-const MAX_BACKWARD_ERROR: f64 = 1e-11;
+pub const MAX_BACKWARD_ERROR: f64 = 1e-11;
 /// Largest number of refinements. One is enough unless a chain is close to singular.
 const MAX_REFINEMENTS: usize = 4;
 
@@ -249,19 +248,11 @@ pub struct CoupledFactors {
 }
 
 impl CoupledFactors {
-    /// Replaces the right-hand side `x` by the solution.
-    ///
-    /// # Errors
-    /// [`Singular`] if round-off leaves no accurate solution.
-    pub fn solve(&self, x: &mut [Complex64]) -> Result<(), Singular> {
-        self.solve_to(Side::Right, 0.0, x).map(drop)
-    }
-
-    /// The same with refinement until the componentwise backward error is at most `tolerance`, or decreases no more. Returns the
+    /// Replaces the right-hand side `x` by the solution, refined until the componentwise backward error is at most `tolerance`, or decreases no more. Returns the
     /// backward error, that before the last refinement if there was one.
     ///
     /// # Errors
-    /// As [`Self::solve`].
+    /// [`Singular`] if round-off leaves no accurate solution.
     pub fn solve_to(&self, side: Side, tolerance: f64, x: &mut [Complex64]) -> Result<f64, Singular> {
         let right = x.to_vec();
         self.refine(side, tolerance, &right, x).or_else(|_| {
@@ -277,7 +268,7 @@ impl CoupledFactors {
         let mut previous = f64::INFINITY;
         for _ in 0..=MAX_REFINEMENTS {
             let (mut residual, error) = self.residual(side, right, x);
-            if error <= tolerance.max(ROUND_OFF) || (error >= previous / 2.0 && error <= MAX_BACKWARD_ERROR) {
+            if error <= tolerance.max(SUM_ROUND_OFF) || (error >= previous / 2.0 && error <= MAX_BACKWARD_ERROR) {
                 return Ok(error);
             }
             if !error.is_finite() {
@@ -505,7 +496,7 @@ mod tests {
             let right = DVector::from_fn(9, |i, _| Complex64::new(i as f64 - 3.0, 1.0));
             let mut x = right.clone();
             let factors = sum.factor(1.0)?;
-            factors.solve(x.as_mut_slice())?;
+            factors.solve_to(Side::Right, 0.0, x.as_mut_slice())?;
             assert!((&dense * x - &right).norm() < 1e-12 * right.norm());
             let mut x = right.clone();
             factors.solve_to(Side::Left, 0.0, x.as_mut_slice())?;

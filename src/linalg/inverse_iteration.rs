@@ -9,13 +9,12 @@ use faer::linalg::solvers::Solve;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::convert::{copy, view};
+use crate::numerics::ROUND_OFF;
 
 /// An eigenvector is wrong if its residual exceeds this times ‖A‖√n.
 const MAX_RESIDUAL: f64 = 1e-14;
 /// Eigenvalues closer than this times ‖A‖ may have wrong eigenvectors.
 const CLOSE_EIGENVALUES: f64 = 1e-5;
-/// Eigenvalues closer than this times ‖A‖ differ only by round-off.
-const EQUAL_EIGENVALUES: f64 = 1e-12;
 /// Distance of the shift of inverse iteration to the eigenvalue, times ‖A‖; it keeps the shifted matrix regular.
 const SHIFT_DISTANCE: f64 = 1e-15;
 /// Two steps reach round-off; a third one makes up for a bad start vector.
@@ -43,7 +42,7 @@ pub(super) fn refine_eigenvectors(matrix: &DMatrix<f64>, values: &[Complex<f64>]
             continue;
         }
         let equals: Vec<Vector> = (0..values.len())
-            .filter(|other| correct[*other] && closer(index, *other, EQUAL_EIGENVALUES))
+            .filter(|other| correct[*other] && closer(index, *other, ROUND_OFF))
             .map(|other| vectors[other].clone())
             .collect();
         let shift = value + Complex::new(SHIFT_DISTANCE * size, SHIFT_DISTANCE * size);

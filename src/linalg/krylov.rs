@@ -11,9 +11,7 @@ use nalgebra::{Complex, ComplexField as _, DMatrix, DVector};
 use super::band::Number;
 use super::columns::{add_combination, products};
 use super::dense::{DecompositionError, Eigen, eigen};
-
-/// A vector that loses more than this factor in orthogonalization lies in the space.
-const DEPENDENCE_TOLERANCE: f64 = 1e-12;
+use crate::numerics::ROUND_OFF;
 
 /// An operator with the inner product in which it is close to normal.
 pub trait Operator {
@@ -58,13 +56,16 @@ pub struct Krylov<'a, T: Operator> {
     images: Vec<Vec<T::Scalar>>,
     /// State of the random numbers.
     seed: u64,
+    /// Whether the operator leads to no vector outside of the space, except for round-off.
+    is_exhausted: bool,
 }
 
 impl<'a, T: Operator> Krylov<'a, T> {
     /// A space of the vectors of `locked`, which span a space that the operator maps into itself. Its eigenpairs are left
     /// out.
     pub fn new(operator: &'a T, locked: impl IntoIterator<Item = Vec<T::Scalar>>) -> Self {
-        let mut space = Self { operator, basis: Vec::new(), locked: 0, images: Vec::new(), seed: 1 };
+        let mut space =
+            Self { operator, basis: Vec::new(), locked: 0, images: Vec::new(), seed: 1, is_exhausted: false };
         for vector in locked {
             space.push(vector);
         }
@@ -87,9 +88,9 @@ impl<'a, T: Operator> Krylov<'a, T> {
         self.images.len()
     }
 
-    /// Whether the basis spans all vectors.
+    /// Whether the basis spans all vectors to which the operator leads.
     pub fn is_complete(&self) -> bool {
-        self.count() >= self.operator.size()
+        self.is_exhausted || self.count() >= self.operator.size()
     }
 
     /// Adds `vector` to the basis, orthogonalized and normalized. Returns its components, of which the last is that of the
@@ -112,7 +113,7 @@ impl<'a, T: Operator> Krylov<'a, T> {
             weighted = self.operator.weigh(&vector);
         }
         let after = norm(&vector, &weighted);
-        if after > DEPENDENCE_TOLERANCE * before && after.is_finite() {
+        if after > ROUND_OFF * before && after.is_finite() {
             self.basis.extend(vector.iter().map(|value| value.unscale(after)));
             components.push(T::Scalar::from_real(after));
         }
@@ -160,6 +161,7 @@ impl<'a, T: Operator> Krylov<'a, T> {
             self.add_start()?;
         }
         if next == self.count() {
+            self.is_exhausted = true;
             return Ok(());
         }
         let image = self.operator.apply(&self.basis[next * size..(next + 1) * size])?;

@@ -29,8 +29,8 @@ pub use band::Singular;
 pub use band_order::BandOrder;
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use chain::{ChainFactor, ChainMatrix};
-pub use conjugate_residuals::conjugate_residuals;
-pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors, Side};
+pub use conjugate_residuals::{LeastResidual, conjugate_residuals};
+pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors, MAX_BACKWARD_ERROR, Side};
 pub use dense::{
     ComplexLu, DecompositionError, Eigen, LuFactors, backward_error, complex_eigen, eigen, hermitian_eigen,
     image_of_parts, matrix_of_columns, semidefinite_root, solve, solve_complex,
@@ -38,6 +38,6 @@ pub use dense::{
 pub use determinant::Determinant;
 pub use krylov::{Krylov, Operator, RitzPair};
 pub use pencil::{SymmetricPencil, symmetric_eigen, symmetric_pencil};
-pub use product::product;
+pub use product::{LANES, product};
 pub use sparse::Sparse;
 pub use tridiagonal::{eigenvector, largest_eigenvalue};

@@ -4,7 +4,11 @@
 //! null vectors to coordinate axes, and the eigensolver works on the orthogonal complement. The null vectors then have
 //! ω = 0 exactly, and all other modes are orthogonal to them. Without deflation an eigensolver gives ω² = ±1e-5 and
 //! mixes null vectors into the low modes.
+//!
+//! Coordinates with little mass and much stiffness have ω² so high that its round-off exceeds the lowest ω². The lowest modes
+//! are then found again by inverse subspace iteration with K itself, which contains no small mass.
 
+use faer::linalg::solvers::{Llt, Solve};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par, Side};
 use nalgebra::{DMatrix, DVector};
@@ -12,6 +16,9 @@ use nalgebra::{DMatrix, DVector};
 use super::DecompositionError;
 use super::convert::{copy, view};
 use super::dense::symmetric_eigenpairs;
+
+/// Part of the largest ω² below which modes are found again: its round-off is more than 2e-4 of their ω².
+const UNRESOLVED: f64 = 1e-12;
 
 /// Eigenvalues and eigenvectors of a symmetric n × n pencil (K, M).
 #[derive(Clone, Debug)]
@@ -83,7 +90,39 @@ pub fn symmetric_pencil(
     for column in 0..known {
         vectors.set_column(column, &null.column(column));
     }
+    let limit = UNRESOLVED * values.max();
+    let low = values.iter().skip(known).take_while(|value| **value < limit).count();
+    if low > 0 {
+        let momenta = mass * null;
+        let regular = stiffness + (&momenta * limit) * momenta.transpose();
+        // Without positive stiffness the modes stay as they are.
+        let refined = |inverse: &Llt<f64>| {
+            let start = in_subspace(stiffness, mass, vectors.columns(known, low).into_owned())?;
+            let mut shapes = copy(inverse.solve(view(&(mass * start.vectors))).as_ref());
+            shapes -= null * momenta.tr_mul(&shapes);
+            shapes.column_iter_mut().for_each(|mut shape| {
+                shape.normalize_mut();
+            });
+            in_subspace(stiffness, mass, shapes)
+        };
+        if let Some(Ok(found)) = view(&regular).llt(Side::Lower).ok().as_ref().map(refined) {
+            values.rows_mut(known, low).copy_from(&found.values);
+            vectors.columns_mut(known, low).copy_from(&found.vectors);
+        }
+    }
     Ok(SymmetricPencil { values, vectors })
+}
+
+/// Approximations in the space of the columns of `shapes` (Rayleigh and Ritz).
+fn in_subspace(
+    stiffness: &DMatrix<f64>,
+    mass: &DMatrix<f64>,
+    shapes: DMatrix<f64>,
+) -> Result<SymmetricPencil, DecompositionError> {
+    let projected = |matrix: &DMatrix<f64>| shapes.tr_mul(&(matrix * &shapes));
+    let none = DMatrix::zeros(shapes.ncols(), 0);
+    let SymmetricPencil { values, vectors } = symmetric_pencil(&projected(stiffness), &projected(mass), &none)?;
+    Ok(SymmetricPencil { values, vectors: shapes * vectors })
 }
 
 /// Solves K φ = ω² φ: the same with the identity for M.

@@ -1,7 +1,7 @@
 //! Scalar product of vectors.
 
-/// Number of sums.
-const LANES: usize = 8;
+/// Number of numbers that SIMD loops handle together.
+pub const LANES: usize = 8;
 
 /// Scalar product, summed in lanes because one sum would wait for each addition.
 #[inline(always)]

@@ -5,11 +5,10 @@
 //! vector.
 
 use super::band::Band;
+use crate::numerics::SUM_ROUND_OFF;
 
 /// Largest number of bisections: each halves an interval of doubles.
 const MAX_BISECTIONS: usize = 128;
-/// Relative distance of the shift of inverse iteration to the eigenvalue, which keeps the matrix regular.
-const SHIFT_DISTANCE: f64 = 8.0 * f64::EPSILON;
 /// Number of inverse iterations. One is enough unless the start vector has almost no part in the eigenvector.
 const INVERSE_ITERATIONS: usize = 3;
 
@@ -51,7 +50,7 @@ pub fn eigenvector(diagonal: &[f64], beside: &[f64], value: f64) -> Vec<f64> {
     let size = diagonal.len();
     let mut shifted = Band::zeros(size, 1);
     for (row, entry) in diagonal.iter().enumerate() {
-        shifted.add(row, row, entry - value * (1.0 + SHIFT_DISTANCE));
+        shifted.add(row, row, entry - value * (1.0 + SUM_ROUND_OFF));
     }
     for (row, entry) in beside.iter().enumerate().take(size.saturating_sub(1)) {
         shifted.add(row, row + 1, *entry);

@@ -4,29 +4,26 @@
 //! null motion (motion without elastic force, for example the rigid-body rotation), in the inner product of the mass
 //! matrix. A load that drives a null motion has no equilibrium.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use thiserror::Error;
 
 mod clearance;
 mod forces;
+mod refusals;
 
 use self::clearance::{TangentPart, check_journals, regularisation, within_clearances};
 use self::forces::{AtRest, Contacts, Forces, Laws, elastic_tangent, tangent_towards};
+use self::refusals::{check_balance, check_constraints, unconverged};
 use crate::connection::BearingTangent;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
 use crate::modal::undamped::{Pins, null_motions};
-use crate::model::{Dof, DofKind, Model, Weights};
-use crate::scene::{SceneError, short};
+use crate::model::{Model, Weights};
+use crate::numerics::EQUALITY_TOLERANCE;
+use crate::scene::SceneError;
 
-/// Work of the load on a null motion, relative to the sum of its absolute terms, below which it is round-off.
-const BALANCE_TOLERANCE: f64 = 1e-9;
-/// Largest fraction of the load that the springs on the null motions may carry, as round-off.
-const UNSUPPORTED_TOLERANCE: f64 = 1e-6;
-/// Component of a null motion, relative to its largest one, below which it is round-off.
-const ROUND_OFF: f64 = 1e-12;
 /// Largest displacement of a Newton step, relative to the largest displacement, below which the iteration has converged.
 const CONVERGENCE_TOLERANCE: f64 = 1e-13;
 /// The same limit for steps that have stopped to decrease, because of round-off in stiff scenes.
@@ -47,14 +44,12 @@ const MAX_START_ITERATIONS: usize = 20;
 /// Distance of a nonlinear bearing from where it carries its force, relative to its displacement, below which Newton's
 /// method starts.
 const START_TOLERANCE: f64 = 0.03;
-/// Largest unbalanced force of a shaft over its load.
+/// Largest unbalanced force of a shaft over its load, and largest part of the load that the springs on null motions may carry.
 const MAX_RESIDUAL: f64 = 1e-6;
 /// Smallest increment of the part of the load that acts.
 const LEAST_LOAD_INCREMENT: f64 = 1.0 / 128.0;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.
 const MAX_ITERATIONS: usize = 60;
-/// Eccentricity ratio below which a journal carries no load.
-const UNLOADED: f64 = 1e-9;
 
 /// The reason why there is no equilibrium.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -185,21 +180,6 @@ impl<'m> EquilibriumChange<'m> {
         let factors = self.search.tangent_factors(&point.tangent, 0.0)?;
         forces.iter().map(|force| self.search.step(&factors, force)).collect()
     }
-}
-
-/// The error for forces that do not balance, on the shaft or housing with the largest residual.
-fn unconverged(model: &Model, residuals: &[f64]) -> EquilibriumError {
-    let worse = |most: (usize, f64), (body, value): (usize, &f64)| {
-        if *value > most.1 || value.is_nan() { (body, *value) } else { most }
-    };
-    let (body, residual) = residuals.iter().enumerate().fold((0, -1.0), worse);
-    let (list, index) =
-        if body < model.shafts.len() { ("shafts", body) } else { ("housings", body - model.shafts.len()) };
-    EquilibriumError::Convergence(format!(
-        "{list}[{index}]: no static equilibrium found: {} of the load is unbalanced, more than {}; change the load or the speed in small steps to find where the equilibrium ends",
-        short(residual),
-        short(MAX_RESIDUAL)
-    ))
 }
 
 /// A point after a step.
@@ -364,7 +344,7 @@ impl<'m> Search<'m> {
                 point = self.at(q, &flanks, Laws::Exact)?;
                 if is_final {
                     check_constraints(&point.carried, load)?;
-                    check_journals(model, &point.q, UNLOADED..MAX_ECCENTRICITY_RATIO)?;
+                    check_journals(model, &point.q, EQUALITY_TOLERANCE..MAX_ECCENTRICITY_RATIO)?;
                     return Ok((point.q, flanks));
                 }
                 continue;
@@ -465,112 +445,6 @@ impl<'m> Search<'m> {
         regularisation(model, norm).for_each(|part| part.add_to(model, &mut sum));
         Ok(sum.factor(1.0)?)
     }
-}
-
-/// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
-fn check_balance(model: &Model, null: &DMatrix<f64>, load: &DVector<f64>, speed: f64) -> Result<(), EquilibriumError> {
-    // The null motions may combine rotation and lateral motion in any way. The acceleration under the load does not
-    // depend on the combination.
-    let mut acceleration = DVector::zeros(model.len());
-    for column in null.column_iter() {
-        let drive: f64 = column.dot(load);
-        let acting: f64 = column.iter().zip(load.iter()).map(|(motion, load)| (motion * load).abs()).sum();
-        // Round-off of a null motion that does not move the points where loads act.
-        let round_off = ROUND_OFF * column.amax() * load.lp_norm(1);
-        if drive.abs() > (BALANCE_TOLERANCE * acting).max(round_off) {
-            acceleration.axpy(drive, &column, 1.0);
-        }
-    }
-    let largest = acceleration.amax();
-    if largest == 0.0 {
-        return Ok(());
-    }
-    for (index, housing) in model.housing_nodes().zip(&model.scene.housings) {
-        let moves = |dof: &&Dof| dof.node == index && acceleration[dof.index].abs() > UNSUPPORTED_TOLERANCE * largest;
-        if let Some(dof) = model.numbering.dofs().iter().find(moves) {
-            return Err(unmounted(&housing.name, dof.kind).into());
-        }
-    }
-    // The shaft that moves most among coordinates of one kind; none if only round-off moves them.
-    let moved = |kind: fn(DofKind) -> bool| {
-        let dofs = model.numbering.dofs().iter().filter(|dof| kind(dof.kind));
-        let (shaft, motion) = dofs.fold((0, 0.0), |(shaft, most), dof| {
-            let motion = acceleration[dof.index].abs();
-            if motion > most { (dof.node.shaft, motion) } else { (shaft, most) }
-        });
-        (motion > UNSUPPORTED_TOLERANCE * largest).then_some(shaft)
-    };
-    let error = match (moved(DofKind::is_lateral), moved(|kind| kind == DofKind::Axial)) {
-        (Some(shaft), _) => unsupported(model, shaft),
-        (None, Some(shaft)) => loose(model, shaft),
-        (None, None) => unbalanced(model, speed),
-    };
-    Err(error.into())
-}
-
-/// The error for a load that moves a housing: its mount does not constrain it.
-fn unmounted(name: &str, motion: DofKind) -> SceneError {
-    let entry = match motion {
-        DofKind::Axial => "positive axial_stiffness",
-        DofKind::V | DofKind::W => "stiffness along y and z",
-        DofKind::B | DofKind::Gamma | DofKind::Twist => "rotational_stiffness about every axis",
-        DofKind::Mode => "stiffness at its feet, gb.Interface(..., stiffness=(x, y, z))",
-    };
-    SceneError::new("housings", format!("no static equilibrium: the load moves \"{name}\"; give it a {entry}"))
-}
-
-/// The error for a load that moves a shaft laterally: its bearings do not constrain it.
-fn unsupported(model: &Model, shaft: usize) -> SceneError {
-    let name = &model.scene.shafts[shaft].name;
-    let has_bearing = model.scene.held_nodes(shaft).next().is_some();
-    let cause = if has_bearing {
-        format!(
-            "the load moves or tilts \"{name}\", which its bearings do not constrain; add a bearing at another position, or give its bearings a stiffness in both directions"
-        )
-    } else {
-        format!(
-            "\"{name}\" is unconstrained: no bearing holds it laterally against the load; add gb.Bearing(\"{name}\", position, stiffness=...)"
-        )
-    };
-    SceneError::new(format!("shafts[{shaft}]"), format!("no static equilibrium: {cause}"))
-}
-
-/// The error for a load that moves a shaft along its axis.
-fn loose(model: &Model, shaft: usize) -> SceneError {
-    let name = &model.scene.shafts[shaft].name;
-    let message = format!(
-        "no static equilibrium: \"{name}\" is unconstrained along its axis: no bearing carries the axial force of helical gears or loads; give one of its bearings axial_stiffness, as in gb.Bearing(\"{name}\", position, stiffness=..., axial_stiffness=...)"
-    );
-    SceneError::new(format!("shafts[{shaft}]"), message)
-}
-
-/// The error for torques that do not balance.
-fn unbalanced(model: &Model, speed: f64) -> SceneError {
-    let scene = &model.scene;
-    let net: f64 = scene.torques.iter().map(|torque| torque.value * scene.speed_ratios[torque.node.shaft]).sum();
-    let net = model.loads.iter().fold(net, |net, load| net + load.constant(speed) * load.ratio);
-    let signs = if scene.torques.len() > 1 && !scene.meshes.is_empty() {
-        "; the torques of driver and load of one gear pair have the same sign, because their shafts turn in opposite directions"
-    } else {
-        ""
-    };
-    SceneError::new(
-        "torques",
-        format!(
-            "no static equilibrium: the rigid-body rotation is unconstrained, because the torques do not balance: their sum, referred to the reference shaft, is {} N m; add gb.Torque.balance(at) where the load acts, or hold the rotation with gb.Drive(at, stiffness=...){signs}",
-            short(net)
-        ),
-    )
-}
-
-/// Refuses a load of which the springs of the null motions carry the part `carried`. This occurs with bearings whose
-/// stiffness is singular and not symmetric: its left and right null vectors differ.
-fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> Result<(), EquilibriumError> {
-    if carried.norm() <= UNSUPPORTED_TOLERANCE * load.norm() {
-        return Ok(());
-    }
-    let message = "no static equilibrium: the stiffness of a bearing is singular and not symmetric, so that it leaves a motion unconstrained on which its own force acts";
-    Err(SceneError::new("bearings", message).into())
 }
 
 /// The flanks of every mesh that are pressed at `q`, after an iteration with contact on `flanks`. A flank with backlash

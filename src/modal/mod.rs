@@ -1,7 +1,7 @@
 //! Modal analysis: undamped modes, damped modes at a given speed, and modal state-space models.
 //!
 //! - `undamped`: undamped modes at rest, and what follows from M and K alone.
-//! - `equilibrium`: the static equilibrium; `forces` at rest, and the `clearance` of nonlinear bearings.
+//! - `equilibrium`: the static equilibrium; `forces` at rest, the `clearance` of nonlinear bearings, and `refusals`.
 //! - `state_space`: state-space models in modal coordinates.
 //! - `lowest`: a few modes of a large model.
 //! - `cache`: a model with all that follows from it, which a system with other loads shares.
@@ -22,10 +22,10 @@ pub use damped::{
 };
 pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{
-    Eigenpair, FORWARD, FullEquations, Highest, MAX_DENSE, ModeAtSpeed, ModeSelection, ModeSpace, Unknown, ascending,
-    lowest_critical, mode_near, vibrates,
+    Eigenpair, FORWARD, FullEquations, Highest, MAX_DENSE, MIN_BANDED, ModeAtSpeed, ModeSelection, ModeSpace,
+    ascending, lowest_critical, mode_near, vibrates,
 };
-pub use state_space::{LANES, MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};
+pub use state_space::{MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};
 pub use undamped::{
     ComponentModes, CoupledMotion, CouplingChoice, DampedMotions, Extent, ModalDamping, Pins, RealModes, SpectralRange,
     SpeedCoupling, SubspaceKey, null_motions, speed_couplings,

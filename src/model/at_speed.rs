@@ -14,18 +14,12 @@ use crate::scene::{
     Bearing, BearingCoefficient, EntryPath, LoadLaw, Matrix2, Node, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
 };
 
-/// Whether a bearing has constant coefficients: a linear bearing has stiffness and damping, and a ring of five degrees of freedom
-/// has damping beside the force of its elements.
-pub(super) fn has_constant_part(bearing: &Bearing) -> bool {
-    bearing.nonlinear.is_none() || bearing.ring().is_some()
-}
-
 /// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
 pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
     let nonlinear = scene.bearings.iter().filter(|bearing| bearing.nonlinear.is_some()).count();
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        let rows = bearing_rows(scene, numbering, bearing).filter(|_| has_constant_part(bearing));
+        let rows = bearing_rows(scene, numbering, bearing).filter(|_| bearing.has_constant_part());
         let (Some(index), Some(rows)) = (numbering.translation(bearing.node), rows) else {
             continue;
         };

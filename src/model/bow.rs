@@ -12,7 +12,7 @@ use num_complex::Complex64;
 
 use crate::element::{BendingFunction, Section, deflection};
 use crate::linalg::ChainMatrix;
-use crate::numerics::{Sample, gauss, maximum};
+use crate::numerics::{EQUALITY_TOLERANCE, Sample, gauss, maximum};
 use crate::scene::{Bow, BowCurve, Element, Scene, SceneError, Shaft};
 
 /// Stiffness of a rigid bearing relative to the largest diagonal entry of the shaft stiffness.
@@ -24,8 +24,6 @@ const CURVATURE_GAUSS_POINTS: usize = 16;
 
 /// Number of parts of an element between whose ends the largest deflection is searched.
 const DEFLECTION_SAMPLES: usize = 16;
-/// Relative error of the position of the largest deflection: the deflection there is accurate to its square.
-const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// u, m, and φ, rad, at the nodes of shaft `index`, then the internal coordinates of bending; `None` for a straight shaft.
 ///
@@ -142,7 +140,7 @@ fn largest_deflection(shaft: &Shaft, nodes: &[f64]) -> f64 {
         let best = (0..=DEFLECTION_SAMPLES).max_by(|a, b| at(point(*a)).total_cmp(&at(point(*b)))).unwrap_or_default();
         // Between two samples the deflection has one maximum.
         let ends = [best.saturating_sub(1), (best + 1).min(DEFLECTION_SAMPLES)].map(point);
-        let found: Result<Sample, Infallible> = maximum(ends[0], ends[1], POSITION_TOLERANCE, |xi| Ok(at(xi)));
+        let found: Result<Sample, Infallible> = maximum(ends[0], ends[1], EQUALITY_TOLERANCE, |xi| Ok(at(xi)));
         found.map_or(0.0, |top| top.value).max(at(point(best)))
     };
     shaft.elements.iter().enumerate().map(within).fold(0.0, f64::max)

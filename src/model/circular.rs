@@ -6,6 +6,7 @@
 //! ones of the element after it, those of the next node. Forces transform in the same way as displacements:
 //! f_p = f_v + i f_w.
 
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::{Model, RodChain};
@@ -76,7 +77,7 @@ impl Model {
     }
 
     /// Converts a vector of displacements or forces from the order of the core to circular coordinates.
-    pub fn to_circular(&self, x: &[Complex64]) -> Vec<Complex64> {
+    fn to_circular(&self, x: &[Complex64]) -> Vec<Complex64> {
         let mut out = x.to_vec();
         for Part { start, order, lateral } in self.parts.iter().copied() {
             for unknown in 0..order.len() {
@@ -93,7 +94,7 @@ impl Model {
     }
 
     /// Converts a vector from circular coordinates to the order of the core.
-    pub fn from_circular(&self, x: &[Complex64]) -> Vec<Complex64> {
+    fn displacements_of(&self, x: &[Complex64]) -> Vec<Complex64> {
         let mut out = x.to_vec();
         for Part { start, order, lateral } in self.parts.iter().copied() {
             for unknown in 0..order.len() {
@@ -111,21 +112,81 @@ impl Model {
     }
 
     /// Multiplies the circular coordinates p and m by a factor.
-    pub fn scale_circular(&self, x: &mut [Complex64], factor: f64) {
+    fn scale_circular(&self, x: &mut [Complex64], factor: f64) {
         for Part { start, order, .. } in self.parts.iter().filter(|part| part.lateral) {
             x[*start..start + 2 * order.len()].iter_mut().for_each(|value| *value *= factor);
         }
     }
 
-    /// Solution of a real system in the order of the core, with the componentwise backward error `tolerance`, or the
-    /// smallest one if it is zero.
+    /// Solution of S x = f, or Sᵀ x = f, in the order of the core, and its componentwise backward error: refined until this is at most
+    /// `tolerance`, or the smallest one if it is zero; without a tolerance it is not refined, and the error is not known.
+    ///
+    /// Circular coordinates are T x, with TᴴT = D: 2 for p and m, and 1 for others. With S_c = T S T⁻¹, S⁻ᵀ f is the conjugate of
+    /// S⁻ᴴ f* = T⁻¹ D S_c⁻ᴴ D⁻¹ T f*.
     ///
     /// # Errors
     /// [`Singular`] if round-off leaves no accurate solution.
+    pub fn solve(
+        &self,
+        factors: &CoupledFactors,
+        side: Side,
+        tolerance: Option<f64>,
+        force: &[Complex64],
+    ) -> Result<(DVector<Complex64>, f64), Singular> {
+        let conjugate = |values: &mut [Complex64]| values.iter_mut().for_each(|value| *value = value.conj());
+        let mut x = match side {
+            Side::Right => self.to_circular(force),
+            Side::Left => {
+                let mut force = force.to_vec();
+                conjugate(&mut force);
+                let mut x = self.to_circular(&force);
+                self.scale_circular(&mut x, 0.5);
+                conjugate(&mut x);
+                x
+            }
+        };
+        let error = match tolerance {
+            Some(tolerance) => factors.solve_to(side, tolerance, &mut x)?,
+            None => {
+                factors.solve_once(side, &mut x);
+                f64::NAN
+            }
+        };
+        if side == Side::Left {
+            conjugate(&mut x);
+            self.scale_circular(&mut x, 2.0);
+        }
+        let mut x = self.displacements_of(&x);
+        if side == Side::Left {
+            conjugate(&mut x);
+        }
+        Ok((DVector::from_vec(x), error))
+    }
+
+    /// Solutions of a real system for the columns of `forces`, n × m, with the smallest backward errors.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_columns(&self, factors: &CoupledFactors, forces: &DMatrix<f64>) -> Result<DMatrix<f64>, Singular> {
+        let mut solved = forces.clone();
+        // The matrix is real: real and imaginary part are two columns.
+        for first in (0..forces.ncols()).step_by(2) {
+            let second = (first + 1).min(forces.ncols() - 1);
+            let pair = forces.column(first).zip_map(&forces.column(second), Complex64::new);
+            let (x, _) = self.solve(factors, Side::Right, Some(0.0), pair.as_slice())?;
+            solved.set_column(second, &x.map(|value| value.im));
+            solved.set_column(first, &x.map(|value| value.re));
+        }
+        Ok(solved)
+    }
+
+    /// Solution of a real system, as [`Self::solve`].
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
     pub fn solve_real(&self, factors: &CoupledFactors, tolerance: f64, right: &[f64]) -> Result<Vec<f64>, Singular> {
         let right: Vec<Complex64> = right.iter().map(|value| Complex64::from(*value)).collect();
-        let mut x = self.to_circular(&right);
-        factors.solve_to(Side::Right, tolerance, &mut x)?;
-        Ok(self.from_circular(&x).iter().map(|value| value.re).collect())
+        let (x, _) = self.solve(factors, Side::Right, Some(tolerance), &right)?;
+        Ok(x.iter().map(|value| value.re).collect())
     }
 }

@@ -8,7 +8,6 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::at_speed::has_constant_part;
 use super::housing::{axial_row, modal_row, point_rows, slope_rows as housing_slopes};
 use super::{Model, Numbering, Support};
 use crate::connection::Row;
@@ -196,7 +195,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
             continue;
         };
         if let Some(rows) = bearing_rows(scene, numbering, bearing)
-            .filter(|_| bearing.attachment.is_some() && has_constant_part(bearing))
+            .filter(|_| bearing.attachment.is_some() && bearing.has_constant_part())
         {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
             let link = link.with_loss_factor(bearing.loss_factor);

@@ -12,4 +12,4 @@ pub use cubic::{Cubic, Knot, PiecewiseCubic, Place, monotone_slopes, natural_slo
 pub use exponential::{INVERSE_FACTORIAL, exponential};
 pub use interval::{Sample, bisect, maximum, root};
 pub use legendre::{gauss, integrated, integrated_slope, twice_integrated};
-pub use tolerance::{EQUALITY_TOLERANCE, LARGEST_EXACT_INTEGER, ROUND_OFF};
+pub use tolerance::{EQUALITY_TOLERANCE, LARGEST_EXACT_INTEGER, ROOT_OF_ROUND_OFF, ROUND_OFF, SUM_ROUND_OFF};

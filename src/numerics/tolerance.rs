@@ -8,3 +8,8 @@ pub const EQUALITY_TOLERANCE: f64 = 1e-9;
 pub const ROUND_OFF: f64 = 1e-12;
 /// Largest value up to which every whole number is an `f64`.
 pub const LARGEST_EXACT_INTEGER: u64 = 1 << 53;
+/// Relative size of a number whose square is round-off, and relative difference that round-off leaves where a square is compared: half
+/// of the digits of a number.
+pub const ROOT_OF_ROUND_OFF: f64 = 1e-8;
+/// Relative error of a sum of a few products.
+pub const SUM_ROUND_OFF: f64 = 8.0 * f64::EPSILON;

@@ -15,14 +15,12 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 
 use super::errors;
-use crate::analysis::Interrupt;
+use crate::analysis::{Interrupt, STACK};
 
 /// Time between two checks for signals.
 const HEARTBEAT: Duration = Duration::from_millis(50);
 /// Time after which work that does not stop is abandoned.
 const GRACE: Duration = Duration::from_millis(200);
-/// Stack size of the thread, bytes; the usual size of a main thread.
-const STACK: usize = 8 << 20;
 
 enum Message<T> {
     /// The completed fraction. The thread then waits for the answer whether to continue.

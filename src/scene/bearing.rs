@@ -38,6 +38,12 @@ impl Bearing {
         }
     }
 
+    /// Whether it has constant coefficients: a linear bearing has stiffness and damping, and a ring of five degrees of freedom has
+    /// damping beside the force of its elements.
+    pub fn has_constant_part(&self) -> bool {
+        self.nonlinear.is_none() || self.ring().is_some()
+    }
+
     /// Its nodes: that of its shaft and, for a bearing between two shafts, that of the other one.
     pub fn nodes(&self) -> impl Iterator<Item = Node> + Clone + use<> {
         let other = match self.attachment {

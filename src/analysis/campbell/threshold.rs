@@ -7,10 +7,7 @@ use super::super::modes::require;
 use super::Tracker;
 use super::state::State;
 use crate::modal::{Whirl, is_growing};
-use crate::numerics::{Sample, root};
-
-/// Relative distance of the speeds around a jump of Re λ.
-const JUMP_RESOLUTION: f64 = 1e-9;
+use crate::numerics::{EQUALITY_TOLERANCE, Sample, root};
 
 /// A speed at which a mode becomes unstable or stable.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +71,7 @@ impl Tracker<'_> {
     fn around_sign_change(&mut self, ends: [(f64, &State); 2]) -> Result<[(f64, State); 2], AnalysisError> {
         let [mut low, mut high] = ends.map(|(speed, state)| (speed, state.clone()));
         let is_positive = |state: &State| state.eigenvalue.re > 0.0;
-        while high.0 - low.0 > JUMP_RESOLUTION * high.0 {
+        while high.0 - low.0 > EQUALITY_TOLERANCE * high.0 {
             let middle = f64::midpoint(low.0, high.0);
             let state = self.between([(low.0, &low.1), (high.0, &high.1)], middle)?;
             if is_positive(&state) == is_positive(&high.1) {

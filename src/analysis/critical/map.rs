@@ -15,20 +15,18 @@ use num_complex::Complex64;
 
 use super::super::assignment::{Assignment, equal};
 use super::{Critical, modes, named};
+use crate::analysis::modes::FURTHER_MODES;
 use crate::analysis::{AnalysisError, Interrupt, Threads};
 use crate::linalg::hermitian_eigen;
 use crate::modal::{CachedModel, FORWARD, ModeAtSpeed};
 use crate::model::Model;
+use crate::numerics::ROUND_OFF;
 use crate::scene::EntryPath;
 
 /// Largest number of times that a step of the stiffness is halved.
 const MAX_HALVINGS: u32 = 6;
 /// Number of the lowest lines for which steps are halved.
 const DECIDING_LINES: usize = 16;
-/// Number of modes that are computed beyond those of the map.
-const FURTHER_MODES: usize = 4;
-/// Part of the energy of a mode outside of the others below which it is left out of their space.
-const DEPENDENCE_TOLERANCE: f64 = 1e-12;
 /// Smallest correlation of a line with its continuation: less than half of it belongs to another mode.
 const MIN_CONTINUATION: f64 = 0.5;
 
@@ -144,7 +142,7 @@ impl Step<'_> {
             (sum[(row, column)] + sum[(column, row)].conj()) / (2.0 * sizes[row] * sizes[column])
         });
         let (values, vectors) = hermitian_eigen(&scaled)?;
-        let kept: Vec<usize> = (0..values.len()).filter(|index| values[*index] > DEPENDENCE_TOLERANCE).collect();
+        let kept: Vec<usize> = (0..values.len()).filter(|index| values[*index] > ROUND_OFF).collect();
         let combinations = DMatrix::from_fn(sum.nrows(), kept.len(), |row, column| {
             vectors[(row, kept[column])] / (sizes[row] * values[kept[column]].sqrt())
         });

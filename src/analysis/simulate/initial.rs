@@ -17,10 +17,8 @@ use crate::mesh::Geometry;
 use crate::modal::{CachedModel, EquilibriumSpeeds, Highest};
 use crate::model::Model;
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
-
-/// A tolerance is relative to at least this fraction of the energy norm of the equilibrium, the level of round-off.
-const FLOOR_FRACTION: f64 = 1e-9;
 
 /// Largest rotation of the fastest mode from the last whole step of a run to its end, rad. Steps of the exponential method
 /// can contain many periods of the fastest mode, so that the limit is wide. It rejects an invalid state whose end would
@@ -99,7 +97,7 @@ pub(super) fn start(
     };
     let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &rotation, zero());
     let whole = [displacement.as_slice(), zero().as_slice()].concat();
-    let floor = FLOOR_FRACTION * norm.norm(&whole);
+    let floor = EQUALITY_TOLERANCE * norm.norm(&whole);
     let floor = floor.max(f64::MIN_POSITIVE);
     let continues =
         matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last));

@@ -19,16 +19,13 @@ use super::{RecordPlan, Run};
 use crate::analysis::AnalysisError;
 use crate::exponential::Selection;
 use crate::integrate::Observer;
-use crate::modal::{Extent, Projected, StateMatrix, SubspaceKey};
+use crate::modal::{Extent, MIN_BANDED, Projected, StateMatrix, SubspaceKey};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::{COMPARED_DURATION, SceneError};
 
 /// Runs shorter than this multiple of a pilot run compare models over a shorter part, because pilot runs take as long as
 /// they save.
 const SHORT_RUN_FACTOR: f64 = 3.0;
-/// Number of coordinates up to which a short run keeps all modes: two smaller eigenvalue problems take as long as theirs. Without
-/// meshes a model that is not large always does, because it is compared with all modes.
-const FEW_COORDINATES: usize = 100;
 /// Largest part of all modes that a run keeps before it keeps all; a larger one saves too little.
 const MAX_KEPT_PART: f64 = 0.75;
 /// Errors of displacements and mesh forces of the reference for a given number of modes.
@@ -57,7 +54,9 @@ pub(super) fn keeps_all(run: &Run<'_>, plan: &RecordPlan, start: &Start) -> bool
     match (options.modes, options.reduction) {
         (Some(count), _) => count >= model.len(),
         (None, Some(_)) => {
-            let is_cheap = model.len() <= FEW_COORDINATES || model.meshes.is_empty() && !is_large(model);
+            // Two smaller eigenvalue problems take as long as that of all modes of a small model. Without meshes, a run is compared with
+            // all modes.
+            let is_cheap = model.len() <= MIN_BANDED || model.meshes.is_empty() && !is_large(model);
             plan.energy || is_short(run) && is_cheap && !start.is_reduced(model)
         }
         (None, None) => true,

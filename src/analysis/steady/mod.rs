@@ -4,11 +4,10 @@
 //! the linear motion is accelerated by the secants of the iteration, for affine maps the same as GMRES with this
 //! preconditioner. The rigid-body rotation is no unknown.
 //!
-//! `period` is the common period, `solver` the iteration with `preconditioner`, `anderson` and `gmres`, `multipliers` the
+//! `period` is the common period, `solver` the iteration with `preconditioner`, `anderson`; `multipliers` the
 //! stability. Where the sources have no common period, or a long one, the motion runs in (`run_in`).
 
 mod anderson;
-mod gmres;
 mod multipliers;
 mod period;
 mod preconditioner;

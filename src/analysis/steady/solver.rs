@@ -1,11 +1,13 @@
 //! The fixed point of a period map: accelerated iteration, and Newton's method where that does not converge.
 
+use nalgebra::DVector;
+
 use super::anderson::Anderson;
-use super::gmres::gmres;
 use super::preconditioner::Preconditioner;
 use super::{SteadyState, norm};
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::{PeriodMap, Response};
+use crate::linalg::conjugate_residuals;
 use crate::scene::SceneError;
 
 /// Predicted error in multiples of the tolerance below which a period is recorded.
@@ -193,8 +195,10 @@ impl<'s, 'a> Solver<'s, 'a> {
                 }
                 continue;
             }
-            let step = gmres(&base.correction, NEWTON_RTOL, |direction| self.product(&base, direction))?;
-            point = self.line_search(&base, &step)?;
+            let product = |direction: &DVector<f64>| self.product(&base, direction.as_slice()).map(DVector::from_vec);
+            let correction = DVector::from_column_slice(&base.correction);
+            let step = conjugate_residuals(&correction, NEWTON_RTOL, product, DVector::clone)?.x;
+            point = self.line_search(&base, step.as_slice())?;
         }
         Ok(Err(point))
     }

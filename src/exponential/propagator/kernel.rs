@@ -8,7 +8,7 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::packed::{Aligned, BLOCK_SLOTS, Columns, Group, Rows};
-use crate::modal::LANES;
+use crate::linalg::LANES;
 
 /// `out[i] = rows[i]·z`, with the rows one after the other.
 pub fn scalars(arch: Arch, rows: &[f64], z: &[f64], out: &mut [f64]) {

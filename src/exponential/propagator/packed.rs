@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use aligned_vec::{AVec, ConstAlign};
 
-use crate::modal::LANES;
+use crate::linalg::LANES;
 
 /// Numbers that begin at a cache line: otherwise half of all vector loads would cross a line.
 pub type Aligned = AVec<f64, ConstAlign<CACHE_LINE_BYTES>>;

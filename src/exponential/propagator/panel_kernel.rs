@@ -5,7 +5,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::packed::Panel;
-use crate::modal::LANES;
+use crate::linalg::LANES;
 
 /// Lanes of one register of AVX2.
 const NARROW_LANES: usize = LANES / 2;

@@ -15,7 +15,8 @@ use pulp::{Arch, Simd, WithSimd};
 use super::load_polynomials::LoadPolynomials;
 use crate::exponential::propagator::{Aligned, MAX_STAGES, PropagatorCache, aligned, panel_kernel};
 use crate::exponential::step::Stepper;
-use crate::modal::{LANES, ModePair};
+use crate::linalg::LANES;
+use crate::modal::ModePair;
 use crate::numerics::exponential;
 
 /// Largest number of functions ψ: one for each coefficient of a load, and a further one for rigid-body motions.

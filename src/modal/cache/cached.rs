@@ -13,15 +13,13 @@ use crate::connection::Row;
 use crate::linalg::{DecompositionError, Singular, Sparse, matrix_of_columns};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
-use crate::modal::lowest::{Highest, ModalSpace, UndampedSearch, lowest_undamped};
+use crate::modal::lowest::{Highest, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
 use crate::modal::state_space::{FirstOrder, ModalStateSpace, Projected, StateMatrix};
 use crate::modal::undamped::{
     ComponentModes, ModalDamping, RealModes, SpectralRange, SubspaceKey, kept_modes, modes_of_loads,
 };
 use crate::model::Model;
 
-/// Smallest number of degrees of freedom for which a Krylov space gives two frequencies faster than all modes.
-const MIN_KRYLOV: usize = 100;
 /// Multiple of the highest frequency that the teeth excite up to which undamped modes show the growing modes. Oil films and
 /// circulating forces let modes below the speed of rotation grow.
 const GROWTH_LIMIT: f64 = 2.0;
@@ -391,7 +389,7 @@ impl CachedModel {
         let cell = &self.linear_part().ranges[rotation as usize];
         let range = || {
             // The choice does not depend on what is known, so that the same run has the same steps.
-            if self.model.len() < MIN_KRYLOV {
+            if self.model.len() < MIN_BANDED {
                 Ok(SpectralRange::of_modes(self.real_modes(rotation.speed())?))
             } else {
                 SpectralRange::new(&self.model, rotation.speed())

@@ -17,12 +17,11 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-use crate::linalg::{CoupledFactors, DecompositionError, Side, Singular, Sparse, conjugate_residuals};
+use crate::linalg::{
+    CoupledFactors, DecompositionError, LeastResidual, MAX_BACKWARD_ERROR, Side, Singular, Sparse, conjugate_residuals,
+};
 use crate::modal::undamped::{ModalDamping, Pins, null_motions};
 use crate::model::{Model, StructuralDamping, Weights};
-
-/// Relative residual with modal damping, in the energy norm.
-const CONVERGED: f64 = 1e-11;
 
 /// Which forces the equations of motion contain.
 #[derive(Clone, Copy, Debug)]
@@ -117,8 +116,7 @@ impl DynamicStiffnessSolver {
         match &self.modal {
             Some(modal) => self.iterate(model, side, modal, force),
             None => {
-                let solve = |x: &mut [Complex64]| self.factors.solve_to(side, tolerance, x);
-                let (mut phasors, residual) = in_circular(model, side, force, solve)?;
+                let (mut phasors, residual) = model.solve(&self.factors, side, Some(tolerance), force.as_slice())?;
                 self.pins.remove_null_motions(&mut phasors);
                 Ok(Solved { phasors, products: 0, residual })
             }
@@ -135,13 +133,8 @@ impl DynamicStiffnessSolver {
     ) -> Result<Solved, Singular> {
         let DynamicKey { speed, spin, flank_speed } = self.at;
         let eigenvalue = Complex64::new(0.0, spin);
-        let solve = |force: &DVector<Complex64>| {
-            let solved = in_circular(model, side, force, |x| {
-                self.factors.solve_once(side, x);
-                Ok::<_, Singular>(())
-            });
-            solved.map(|(x, ())| x)
-        };
+        let solve =
+            |force: &DVector<Complex64>| model.solve(&self.factors, side, None, force.as_slice()).map(|(x, _)| x);
         let sparse = |matrix: &Sparse, x: &DVector<Complex64>| {
             model.product(x, |x, out| {
                 out.fill(0.0);
@@ -175,39 +168,16 @@ impl DynamicStiffnessSolver {
             inertia + model.product(x, |x, out| model.multiply_stiffness(flank_speed, true, x, out))
         };
         let start = solve(force)?;
-        let (phasors, products) = conjugate_residuals(&start, CONVERGED, apply, weigh)?.ok_or(Singular)?;
+        let LeastResidual { x: phasors, products, is_converged } =
+            conjugate_residuals(&start, MAX_BACKWARD_ERROR, apply, weigh)?;
+        if !is_converged {
+            return Err(Singular);
+        }
         let norm = |x: &DVector<Complex64>| x.dotc(&weigh(x)).re.abs().sqrt();
         let size = norm(&start);
         let residual = if size == 0.0 { 0.0 } else { norm(&(&start - apply(&phasors)?)) / size };
         Ok(Solved { phasors, products, residual })
     }
-}
-
-/// Solves with circular coordinates, in which `solve` replaces the right-hand side by the solution.
-///
-/// They are T x, with TᴴT = D: 2 for p and m, and 1 for others. With S_c = T S T⁻¹, S⁻ᵀ f is the conjugate of
-/// S⁻ᴴ f* = T⁻¹ D S_c⁻ᴴ D⁻¹ T f*.
-pub fn in_circular<T>(
-    model: &Model,
-    side: Side,
-    force: &DVector<Complex64>,
-    solve: impl FnOnce(&mut [Complex64]) -> Result<T, Singular>,
-) -> Result<(DVector<Complex64>, T), Singular> {
-    if side == Side::Right {
-        let mut x = model.to_circular(force.as_slice());
-        let found = solve(&mut x)?;
-        return Ok((DVector::from_vec(model.from_circular(&x)), found));
-    }
-    let conjugate = |values: &mut [Complex64]| values.iter_mut().for_each(|value| *value = value.conj());
-    let mut x = model.to_circular(force.conjugate().as_slice());
-    model.scale_circular(&mut x, 0.5);
-    conjugate(&mut x);
-    let found = solve(&mut x)?;
-    conjugate(&mut x);
-    model.scale_circular(&mut x, 2.0);
-    let mut y = model.from_circular(&x);
-    conjugate(&mut y);
-    Ok((DVector::from_vec(y), found))
 }
 
 /// The force S(λ)φ at the speed Ω, with the flanks in contact at `flank_speed` (reference shaft, rad/s), n

@@ -8,5 +8,5 @@ mod dynamic_solver;
 mod recent;
 
 pub use cached::{AtSpeed, CachedModel};
-pub use dynamic_solver::{DynamicKey, DynamicStiffnessSolver, EquationForces, Solved, dynamic_force, in_circular};
+pub use dynamic_solver::{DynamicKey, DynamicStiffnessSolver, EquationForces, Solved, dynamic_force};
 pub use recent::Recent;

@@ -15,10 +15,7 @@ use crate::modal::lowest::{Eigenpair, Highest, ModeSelection, Problem, ascending
 use crate::modal::state_space::{damped, physical, undamped};
 use crate::modal::undamped::ModalDamping;
 use crate::model::Model;
-
-/// Entries of a mode shape whose magnitudes differ by less than this ratio count as equal; the first one fixes the
-/// phase. Modes of mirrored systems then have mirrored shapes.
-const EQUAL_MAGNITUDE: f64 = 1e-9;
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// One mode of vibration: a conjugate pair of eigenvalues, or one real eigenvalue.
 #[derive(Clone, Debug)]
@@ -152,7 +149,8 @@ pub fn whirl(model: &Model, speed: f64, eigenvalue: Complex<f64>, shape: &DVecto
 fn normalized(shape: DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let mut largest = Complex::new(0.0, 0.0);
     for value in shape.iter() {
-        if value.norm() > largest.norm() * (1.0 + EQUAL_MAGNITUDE) {
+        // Of equal magnitudes the first one fixes the phase: modes of mirrored systems then have mirrored shapes.
+        if value.norm() > largest.norm() * (1.0 + EQUALITY_TOLERANCE) {
             largest = *value;
         }
     }

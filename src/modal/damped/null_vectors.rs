@@ -9,17 +9,16 @@ use num_complex::Complex64;
 
 use super::residual::{Residual, residual};
 use crate::linalg::{ComplexLu, CoupledFactors, DecompositionError, Side, Singular, image_of_parts, matrix_of_columns};
-use crate::modal::cache::{CachedModel, EquationForces, dynamic_force, in_circular};
+use crate::modal::cache::{CachedModel, EquationForces, dynamic_force};
 use crate::modal::lowest::Highest;
 use crate::modal::undamped::ModalDamping;
 use crate::model::{Model, Weights};
+use crate::numerics::ROOT_OF_ROUND_OFF;
 
 /// Relative distance of the shift from the eigenvalue: above its round-off, so that the factors exist.
 const SHIFT: f64 = 1e-10;
 /// Iterations, each of which reduces other vectors by SHIFT over the relative distance of their eigenvalues.
 const ITERATIONS: usize = 4;
-/// Eigenvalues with a smaller relative difference are equal.
-const EQUAL: f64 = 1e-8;
 /// Vectors beyond the asked ones, which show further equal eigenvalues.
 const SPARE: usize = 2;
 
@@ -110,7 +109,7 @@ fn iterate(
         growth = found.singular_values;
         vectors = found.u.ok_or(DecompositionError::Eigenvalues)?;
     }
-    let has_more = growth.iter().filter(|one| **one > SHIFT / EQUAL * growth[0]).count() > count;
+    let has_more = growth.iter().filter(|one| **one > SHIFT / ROOT_OF_ROUND_OFF * growth[0]).count() > count;
     let shape = |column: usize| vectors.column(column).zip_map(scale, |value, factor| value * factor);
     Ok(((0..count.min(wide)).map(shape).collect(), has_more))
 }
@@ -159,11 +158,7 @@ impl<'m> Inverse<'m> {
 
     /// The solution without modal damping.
     fn plain(&self, side: Side, force: &DVector<Complex64>) -> Result<DVector<Complex64>, Singular> {
-        let solve = |x: &mut [Complex64]| {
-            self.factors.solve_once(side, x);
-            Ok(())
-        };
-        in_circular(self.model, side, force, solve).map(|(x, ())| x)
+        self.model.solve(&self.factors, side, None, force.as_slice()).map(|(x, _)| x)
     }
 
     fn solve(&self, side: Side, force: &DVector<Complex64>) -> Result<DVector<Complex64>, Singular> {

@@ -92,9 +92,7 @@ impl<'m> Residuals<'m> {
             _ => ShiftInverse::new(self.model, self.speed, size)
                 .or_else(|_| ShiftInverse::new(self.model, self.speed, size.max(LEAST_SHIFT * self.fastest)))?,
         };
-        let mut solved = self.model.to_circular(force.as_slice());
-        inverse.factors.solve_once(Side::Right, &mut solved);
-        let solved = DVector::from_vec(self.model.from_circular(&solved));
+        let (solved, _) = self.model.solve(&inverse.factors, Side::Right, None, force.as_slice())?;
         let shift = inverse.shift;
         self.inverse = Some(inverse);
         let part = |of: fn(&Complex64) -> f64| {

@@ -16,9 +16,8 @@ use crate::modal::lowest::{Eigenpair, ModeAtSpeed, mode_near};
 use crate::modal::state_space::{Eigenvectors, FirstOrder};
 use crate::modal::undamped::{ModalDamping, RealModes};
 use crate::model::{Model, SAME_ROTATION, StructuralDamping};
+use crate::numerics::EQUALITY_TOLERANCE;
 
-/// Relative distance of eigenvalues of one mode.
-const EQUAL_EIGENVALUES: f64 = 1e-9;
 /// Largest relative distance of a frequency from those with its signs: the residual of the mode then stays below its limit.
 const MAX_OUTSIDE: f64 = 1e-5;
 /// Relative step of λ in the central difference of S, which is quadratic in λ: only round-off depends on the step.
@@ -158,7 +157,7 @@ fn between(
 
 /// Whether two eigenpairs are one mode.
 fn is_same(model: &Model, first: &Eigenpair, second: &Eigenpair) -> bool {
-    (first.value - second.value).norm() <= EQUAL_EIGENVALUES * second.value.norm() && {
+    (first.value - second.value).norm() <= EQUALITY_TOLERANCE * second.value.norm() && {
         let momentum = model.product(&second.shape, |x, out| model.multiply_mass(x, out));
         first.shape.dotc(&momentum).norm_sqr() > MIN_CORRELATION
     }

@@ -10,14 +10,13 @@ use nalgebra::{Complex, DVector};
 
 use crate::model::{Dof, DofKind, Model};
 
-/// A mode is one of bending, of torsion or of axial motion if the others hold less than this share of its kinetic energy.
-const MINOR_ENERGY: f64 = 0.05;
+/// Share that does not decide: a mode is one of bending, of torsion or of axial motion if the others hold less of its kinetic energy,
+/// and an orbit with a smaller share of |f|² − |b|² in |f|² + |b|² is as good as a line.
+const MINOR_SHARE: f64 = 0.05;
 /// An orbit is planar if its forward and backward parts |f|², |b|² differ by less than this share of their sum.
 const PLANAR: f64 = 1e-6;
 /// Orbits whose semi-major axis is below this part of the largest one do not decide about the direction.
 const SMALL_ORBIT: f64 = 0.1;
-/// Share of |f|² − |b|² in |f|² + |b|² below which a single orbit is as good as a line, and has no direction.
-const NARROW_ORBIT: f64 = 0.05;
 
 /// Type of motion of a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,13 +79,13 @@ impl<'m> Classifier<'m> {
         let along =
             if self.model.scene.axial { self.kinetic_energy(shape, |kind| kind == DofKind::Axial) } else { 0.0 };
         let total = bending + torsion + along;
-        if (bending + along) / total < MINOR_ENERGY {
+        if (bending + along) / total < MINOR_SHARE {
             return Whirl::Torsion;
         }
-        if (bending + torsion) / total < MINOR_ENERGY {
+        if (bending + torsion) / total < MINOR_SHARE {
             return Whirl::Axial;
         }
-        if bending / total < 1.0 - MINOR_ENERGY {
+        if bending / total < 1.0 - MINOR_SHARE {
             return Whirl::Coupled;
         }
         let orbit = |dof: &Dof| {
@@ -108,7 +107,7 @@ impl<'m> Classifier<'m> {
         let largest = orbits.iter().map(|orbit| axis(*orbit)).fold(0.0, f64::max);
         let deciding = orbits.iter().filter(|orbit| axis(**orbit) > SMALL_ORBIT * largest);
         let sense = |[forward, backward]: &[f64; 2]| (forward - backward) / (forward + backward);
-        let has = |sign: f64| deciding.clone().any(|orbit| sign * sense(orbit) > NARROW_ORBIT);
+        let has = |sign: f64| deciding.clone().any(|orbit| sign * sense(orbit) > MINOR_SHARE);
         match (has(1.0), has(-1.0)) {
             (true, true) => Whirl::Mixed,
             _ if forward > backward => Whirl::Forward,

@@ -10,10 +10,8 @@ use crate::connection::{BearingTangent, Connection, NonlinearBearing, Row};
 use crate::linalg::ChainMatrix;
 use crate::mesh::{Flank, Geometry};
 use crate::model::{Dof, DofKind, Model};
+use crate::numerics::SUM_ROUND_OFF;
 
-/// Unbalanced force of a coordinate, relative to the sum of absolute terms |K||q| of its elastic and mesh forces, that the round-off of
-/// q explains (componentwise backward error; Higham 2002, Accuracy and Stability of Numerical Algorithms, chapter 7).
-const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Load of a shaft, relative to the largest load of all, below which it is the round-off of other loads.
 const LEAST_LOAD: f64 = 1e-6;
 
@@ -328,7 +326,7 @@ impl Forces {
                         // Round-off of the deflection, a sum of much larger displacements.
                         let mut terms = 0.0;
                         mesh.gradient(sigma, &directions, |row, slope| terms += (slope * q[row]).abs());
-                        let round_off = ROUND_OFF * mesh.stiffness * terms;
+                        let round_off = SUM_ROUND_OFF * mesh.stiffness * terms;
                         mesh.gradient(sigma, &directions, |row, slope| {
                             self.add(row, -pressed * slope);
                             self.round_off[row] += round_off * slope.abs();
@@ -385,7 +383,7 @@ impl Forces {
     fn add_round_off<const B: usize, const L: usize>(&mut self, stiffness: &ChainMatrix<B>, start: usize, q: &[f64]) {
         stiffness.for_each(|row, column, value| {
             for lane in 0..L {
-                let part = ROUND_OFF * value.abs() * q[start + L * column + lane].abs();
+                let part = SUM_ROUND_OFF * value.abs() * q[start + L * column + lane].abs();
                 self.round_off[start + L * row + lane] += part;
             }
         });

@@ -1,17 +1,17 @@
-//! The lowest modes of a large model, in time proportional to n: shift-invert Arnoldi method with a count.
+//! The lowest eigenvalues of a large model, in time proportional to n: shift-invert Arnoldi method with a count.
 //!
-//! A Krylov space of the inverse at a small shift ([`super::shift_invert`]) finds the eigenvalues of smallest magnitude.
-//! Rigid-body modes are known and left out of the space.
+//! A Krylov space of the inverse at a small shift ([`super::shift_invert`], [`super::critical`]) finds the eigenvalues of
+//! smallest magnitude. Rigid-body modes are known and left out of the space.
 //!
-//! An Arnoldi method may miss one of several equal eigenvalues. [`super::contour`] therefore counts the eigenvalues in a disk
-//! |λ| < R that contains the wanted ones. As long as one is missing, the space is extended.
+//! An Arnoldi method may miss one of several equal eigenvalues. The eigenvalues in a disk |λ| < R that contains the wanted ones
+//! are therefore counted. As long as one is missing, the space is extended.
 
 use nalgebra::{Complex, DVector};
 use num_complex::Complex64;
 
 use super::selection::{ModeSelection, ascending};
-use super::shift_invert::{Eigenpair, FirstOrderInverse, Inverse, Problem};
-use crate::linalg::{DecompositionError, Krylov, RitzPair, matrix_of_columns};
+use super::shift_invert::{Eigenpair, FirstOrderInverse, Problem};
+use crate::linalg::{DecompositionError, Krylov, MAX_BACKWARD_ERROR, Operator, RitzPair, matrix_of_columns};
 use crate::modal::undamped::{RealModes, ShiftInverse};
 
 /// Relative residual of an accurate mode.
@@ -22,8 +22,6 @@ const RECOGNISED: f64 = 1e-7;
 const GAP: f64 = 1e-4;
 /// Largest ratio of two magnitudes between which the radius of the count lies, if the larger one is an estimate.
 const FURTHEST: f64 = 1.5;
-/// An imaginary part below this fraction of an eigenvalue is round-off.
-const REAL: f64 = 1e-11;
 /// An eigenvalue below this fraction of the shift is the velocity of a rigid-body mode.
 const ZERO: f64 = 1e-7;
 /// Number of times that the space is extended for missing eigenvalues.
@@ -43,13 +41,30 @@ pub fn lowest(
         ModeSelection::All => count.saturating_sub(problem.null.ncols()),
         ModeSelection::Vibrations => count,
     };
-    if problem.undamped {
-        let locked = problem.null.column_iter().map(|column| column.iter().copied().collect()).collect();
+    let search = Search {
+        count: elastic,
+        is_wanted: &|value| selection.contains(problem.model, problem.speed, value),
+        missing: &|found, radius| problem.missing_in_disk(found.iter().map(|found| found.value), radius),
+    };
+    let pairs = if problem.undamped {
+        let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
         let operator = ShiftInverse::new(problem.model, problem.speed, problem.shift)?;
-        return Search { problem, count, elastic, locked, selection }.run(&operator);
-    }
-    let locked = problem.rigid_states().collect();
-    Search { problem, count, elastic, locked, selection }.run(&FirstOrderInverse::new(problem)?)
+        let square = |value: Complex64| 1.0 / value.re - problem.shift * problem.shift;
+        let eigenvalue = |value| elastic_value(problem, Complex64::new(0.0, square(value).max(0.0).sqrt()));
+        search.run(Krylov::new(&operator, locked), eigenvalue)?.map(|found| real_modes(problem, &found, elastic))
+    } else {
+        let operator = FirstOrderInverse::new(problem)?;
+        let eigenvalue = |value: Complex64| elastic_value(problem, problem.shift + 1.0 / value);
+        let found = search.run(Krylov::new(&operator, problem.rigid_states()), eigenvalue)?;
+        found.map(|found| damped_modes(problem, &found, elastic))
+    };
+    let rigid = problem.rigid_body_modes().filter(|_| selection == ModeSelection::All);
+    Ok(pairs.map(|pairs| Eigenpair::lowest(rigid.chain(pairs.into_iter().take(elastic)).collect(), count)))
+}
+
+/// An eigenvalue that is not that of a rigid-body mode.
+fn elastic_value(problem: &Problem<'_>, value: Complex64) -> Option<Complex64> {
+    (problem.null.ncols() == 0 || value.norm() > ZERO * problem.shift).then_some(value)
 }
 
 /// The `count` lowest modes of an undamped problem.
@@ -69,41 +84,53 @@ pub(in crate::modal) fn undamped_modes(
 }
 
 /// An approximation of an eigenvalue.
-struct Found {
+pub(super) struct Found {
     /// λ with Im λ ≥ 0, rad/s.
-    value: Complex64,
+    pub value: Complex64,
     /// The vector, with its relative residual.
-    pair: RitzPair,
+    pub pair: RitzPair,
+    /// Whether the mode is wanted.
+    is_wanted: bool,
 }
 
-impl Found {
-    fn is_accurate(&self) -> bool {
-        self.pair.residual <= ACCURATE
+/// Accurate approximations in a Krylov space.
+pub(super) struct Spectrum<'s, T: Operator> {
+    pub space: Krylov<'s, T>,
+    /// In ascending order of |λ|, with all wanted ones.
+    pub found: Vec<Found>,
+}
+
+impl<T: Operator> Spectrum<'_, T> {
+    /// The `count` lowest wanted ones.
+    pub fn wanted(&self, count: usize) -> impl Iterator<Item = &Found> {
+        self.found.iter().filter(|found| found.is_wanted).take(count)
     }
 }
 
-/// A search for modes.
-struct Search<'p, 'm> {
-    problem: &'p Problem<'m>,
-    /// Number of modes.
-    count: usize,
-    /// Number of modes apart from rigid-body modes.
-    elastic: usize,
-    /// States of the rigid-body modes.
-    locked: Vec<Vec<f64>>,
-    selection: ModeSelection,
+/// A search for the lowest eigenvalues.
+pub(super) struct Search<'s> {
+    /// Number of wanted eigenvalues.
+    pub count: usize,
+    /// Whether the mode of an eigenvalue λ with Im λ ≥ 0, rad/s, is wanted.
+    pub is_wanted: &'s dyn Fn(Complex64) -> bool,
+    /// Number of eigenvalues with |λ| below a radius, rad/s, that are missing; none if it cannot be determined.
+    pub missing: &'s dyn Fn(&[Found], f64) -> Option<i64>,
 }
 
-impl Search<'_, '_> {
-    /// Extends the Krylov space of `operator` until the lowest modes are accurate and none is missing.
-    fn run<T: Inverse>(&self, operator: &T) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
-        let mut space = Krylov::new(operator, self.locked.iter().cloned());
-        let per_mode = if self.problem.undamped { 1 } else { 2 };
+impl Search<'_> {
+    /// Extends the space until the lowest eigenvalues are accurate and none is missing; `None` if too many others have to be told
+    /// apart from them. `eigenvalue` gives λ, rad/s, for an eigenvalue of the operator, if it is one of the modes in question.
+    pub fn run<'s, T: Operator>(
+        &self,
+        mut space: Krylov<'s, T>,
+        eigenvalue: impl Fn(Complex64) -> Option<Complex64>,
+    ) -> Result<Option<Spectrum<'s, T>>, DecompositionError> {
+        let per_mode = if T::SYMMETRIC { 1 } else { 2 };
         // Most models need as many steps; decompositions of the projected matrix are as costly as steps.
-        let mut target = 2 * per_mode * self.elastic + 24;
+        let mut target = 2 * per_mode * self.count + 24;
         let most = 6 * target + 30;
         // Two bending planes have equal modes at rest.
-        for _ in 0..if self.problem.undamped { 2 } else { 1 } {
+        for _ in 0..if T::SYMMETRIC { 2 } else { 1 } {
             space.add_start()?;
         }
         let mut restarts = 0;
@@ -111,7 +138,7 @@ impl Search<'_, '_> {
             while space.steps() < target && !space.is_complete() {
                 space.step()?;
             }
-            let (found, next) = self.recognised(&space)?;
+            let (found, next) = self.recognised(&space, &eigenvalue)?;
             let steps = space.steps();
             let Some(radius) = self.radius(&found, next) else {
                 if space.is_complete() || steps >= most {
@@ -120,8 +147,8 @@ impl Search<'_, '_> {
                 target = steps + (steps / 8).max(8);
                 continue;
             };
-            if self.problem.missing_in_disk(found.iter().map(|found| found.value), radius) == Some(0) {
-                return Ok(Some(self.eigenpairs(&space, &found)));
+            if (self.missing)(&found, radius) == Some(0) {
+                return Ok(Some(Spectrum { space, found }));
             }
             if restarts == MAX_RESTARTS {
                 return Ok(None);
@@ -130,17 +157,23 @@ impl Search<'_, '_> {
             // Further start vectors find further vectors of equal eigenvalues.
             space.add_start()?;
             space.add_start()?;
-            target = steps + per_mode * self.elastic + 20;
+            target = steps + per_mode * self.count + 20;
         }
     }
 
-    /// Approximations of eigenvalues λ with Im λ ≥ 0 apart from rigid-body modes, in ascending order of |λ|, and the
-    /// magnitude of the next approximation, rad/s, which is less accurate.
-    fn recognised<T: Inverse>(&self, space: &Krylov<'_, T>) -> Result<(Vec<Found>, f64), DecompositionError> {
-        let is_elastic = |value: &Complex64| self.problem.null.ncols() == 0 || value.norm() > ZERO * self.problem.shift;
-        let found = |pair: RitzPair| Found { value: without_round_off(space.operator().eigenvalue(pair.value)), pair };
-        let mut all: Vec<Found> = space.ritz_pairs()?.into_iter().map(found).collect();
-        all.retain(|found| found.value.im >= 0.0 && is_elastic(&found.value));
+    /// Approximations of eigenvalues λ with Im λ ≥ 0, in ascending order of |λ|, and the magnitude of the next approximation,
+    /// rad/s, which is less accurate.
+    fn recognised<T: Operator>(
+        &self,
+        space: &Krylov<'_, T>,
+        eigenvalue: impl Fn(Complex64) -> Option<Complex64>,
+    ) -> Result<(Vec<Found>, f64), DecompositionError> {
+        let found = |pair: RitzPair| {
+            let value = without_round_off(eigenvalue(pair.value)?);
+            Some(Found { value, pair, is_wanted: (self.is_wanted)(value) })
+        };
+        let mut all: Vec<Found> = space.ritz_pairs()?.into_iter().filter_map(found).collect();
+        all.retain(|found| found.value.im >= 0.0);
         all.sort_by(|a, b| ascending(a.value, b.value));
         let last = all.iter().rposition(|found| found.pair.residual <= RECOGNISED).map_or(0, |last| last + 1);
         let next = all.get(last).map_or(f64::INFINITY, |next| next.value.norm());
@@ -153,73 +186,63 @@ impl Search<'_, '_> {
     /// of the magnitude that follows the found ones, rad/s.
     fn radius(&self, found: &[Found], next: f64) -> Option<f64> {
         let mut wanted = 0;
-        for (index, pair) in found.iter().enumerate() {
-            if !pair.is_accurate() {
+        for (index, mode) in found.iter().enumerate() {
+            if mode.pair.residual > ACCURATE {
                 return None;
             }
-            wanted += usize::from(self.is_wanted(pair.value));
-            let size = pair.value.norm();
+            wanted += usize::from(mode.is_wanted);
+            let size = mode.value.norm();
             let following = found.get(index + 1).map_or(next.min(FURTHEST * size), |following| following.value.norm());
-            if wanted >= self.elastic && following > (1.0 + GAP) * size {
+            if wanted >= self.count && following > (1.0 + GAP) * size {
                 return Some(f64::midpoint(size, following));
             }
         }
         None
     }
-
-    fn is_wanted(&self, value: Complex64) -> bool {
-        self.selection.contains(self.problem.model, self.problem.speed, value)
-    }
-
-    /// Rigid-body modes, and the lowest wanted ones of the found modes.
-    fn eigenpairs<T: Inverse>(&self, space: &Krylov<'_, T>, found: &[Found]) -> Vec<Eigenpair> {
-        let problem = self.problem;
-        let mut chosen: Vec<&Found> =
-            found.iter().filter(|found| self.is_wanted(found.value)).take(self.elastic).collect();
-        let pairs: Vec<Eigenpair> = if problem.undamped {
-            // All approximations of one frequency are rotated together.
-            let highest = chosen.last().map_or(0.0, |last| (1.0 + GAP) * last.value.im);
-            chosen = found.iter().take_while(|found| found.value.im <= highest).collect();
-            let columns: Vec<_> =
-                chosen.iter().map(|found| self.shape_of(space, &found.pair).map(|entry| entry.re)).collect();
-            let vectors = matrix_of_columns(problem.model.len(), &columns);
-            let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
-            let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
-            let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
-            values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
-        } else {
-            let pair = |found: &&Found| {
-                let shape = self.shape_of(space, &found.pair);
-                let size = problem.model.complex_kinetic_form(&shape).sqrt();
-                let shape = shape.unscale(size);
-                let value = without_round_off(problem.rayleigh(found.value, &shape));
-                // A real eigenvalue has no sign of zero, which would count in the order.
-                Eigenpair { value: Complex64::new(value.re, value.im.abs()), shape }
-            };
-            chosen.iter().map(pair).collect()
-        };
-        let rigid = problem.rigid_body_modes().filter(|_| self.selection == ModeSelection::All);
-        Eigenpair::lowest(rigid.chain(pairs.into_iter().take(self.elastic)).collect(), self.count)
-    }
-
-    /// The mode shape of an approximation. The space of states (x, λx) leaves out the positions of rigid-body modes; the
-    /// part of the shape in them follows from its velocity.
-    fn shape_of<T: Inverse>(&self, space: &Krylov<'_, T>, pair: &RitzPair) -> DVector<Complex64> {
-        let operator = space.operator();
-        let size = operator.shape_size();
-        if size == operator.size() || self.problem.null.ncols() == 0 {
-            return space.first_entries(pair, size);
-        }
-        let (state, value) = (space.vector(pair), operator.eigenvalue(pair.value));
-        let mut shape = state.rows(0, size).into_owned();
-        let missing = state.rows(size, size) / value - &shape;
-        self.problem.add_rigid_part(&missing, &mut shape);
-        shape
-    }
 }
 
-/// A real eigenvalue for one whose imaginary part is round-off: it splits two equal real eigenvalues into a conjugate pair,
+/// Modes of an undamped problem. All approximations of one frequency are rotated together.
+fn real_modes(problem: &Problem<'_>, spectrum: &Spectrum<'_, ShiftInverse<'_>>, count: usize) -> Vec<Eigenpair> {
+    let highest = spectrum.wanted(count).last().map_or(0.0, |last| (1.0 + GAP) * last.value.im);
+    let chosen = spectrum.found.iter().take_while(|found| found.value.im <= highest);
+    let columns: Vec<_> = chosen.map(|found| spectrum.space.vector(&found.pair).map(|entry| entry.re)).collect();
+    let vectors = matrix_of_columns(problem.model.len(), &columns);
+    let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
+    let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
+    let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
+    values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
+}
+
+/// Modes of a damped problem.
+fn damped_modes(
+    problem: &Problem<'_>,
+    spectrum: &Spectrum<'_, FirstOrderInverse<'_, '_>>,
+    count: usize,
+) -> Vec<Eigenpair> {
+    let size = problem.model.len();
+    let pair = |found: &Found| {
+        // The space of states (x, λx) leaves out the positions of rigid-body modes; the part of the shape in them follows from
+        // its velocity.
+        let shape = if problem.null.ncols() == 0 {
+            spectrum.space.first_entries(&found.pair, size)
+        } else {
+            let state = spectrum.space.vector(&found.pair);
+            let mut shape = state.rows(0, size).into_owned();
+            let missing = state.rows(size, size) / found.value - &shape;
+            problem.add_rigid_part(&missing, &mut shape);
+            shape
+        };
+        let size = problem.model.complex_kinetic_form(&shape).sqrt();
+        let shape = shape.unscale(size);
+        let value = without_round_off(problem.rayleigh(found.value, &shape));
+        // A real eigenvalue has no sign of zero, which would count in the order.
+        Eigenpair { value: Complex64::new(value.re, value.im.abs()), shape }
+    };
+    spectrum.wanted(count).map(pair).collect()
+}
+
+/// A real eigenvalue for one whose imaginary part is an error of the solutions: it splits two equal real eigenvalues into a conjugate pair,
 /// of which both count.
 fn without_round_off(value: Complex64) -> Complex64 {
-    if value.im.abs() <= REAL * value.norm() { Complex64::from(value.re) } else { value }
+    if value.im.abs() <= MAX_BACKWARD_ERROR * value.norm() { Complex64::from(value.re) } else { value }
 }

@@ -1,9 +1,9 @@
-//! Number of eigenvalues within a contour that an iteration did not find.
+//! Number of eigenvalues in a disk that an iteration did not find.
 //!
 //! The determinant of the dynamic stiffness S(λ) is a polynomial whose zeros are the eigenvalues. By the argument
-//! principle, the change of its phase along a closed contour is 2π times the number of zeros inside. Here the determinant is
+//! principle, the change of its phase along a circle is 2π times the number of zeros inside. Here the determinant is
 //! divided by the factors λ − λ_k of the known eigenvalues: what remains has no zero inside if none is missing, and its
-//! phase changes slowly. S is real for real λ, so the upper half of a contour that is symmetric to the real axis is enough.
+//! phase changes slowly. S is real for real λ, so the upper half of the circle is enough.
 //!
 //! The logarithm of the determinant is a smooth function of ln λ apart from the zeros. Its phase is known up to multiples
 //! of 2π. The polynomial through the previous points in ln λ predicts the next value and so selects the multiple; the step
@@ -16,13 +16,12 @@ use num_complex::Complex64;
 
 use crate::linalg::Determinant;
 
-/// Largest difference of the complex logarithm from its prediction.
+/// Largest difference of the complex logarithm from its prediction, and half of that of the predictions from all previous points and
+/// from one less. The latter bounds the error of the prediction by half a turn: a larger error could differ from its value between −π
+/// and π by whole turns.
 const MAX_ERROR: f64 = 0.5;
 /// Difference of the complex logarithm from its prediction below which the next step on the contour is longer.
 const SMALL_ERROR: f64 = 0.05;
-/// Largest difference of the predictions from all previous points and from one less. It bounds the error of the prediction
-/// by half a turn: a larger error could differ from its value between −π and π by whole turns.
-const MAX_UNCERTAINTY: f64 = 1.0;
 /// Ratio of the lengths of successive steps.
 const GROWTH: f64 = 8.0;
 /// First step in ln λ: the complex logarithm of a polynomial of degree 10⁵ changes by less than half a turn.
@@ -35,8 +34,6 @@ const MIN_STEP: f64 = 1e-9;
 const POINTS: usize = 6;
 /// Largest number of determinants of one contour.
 const MAX_DETERMINANTS: usize = 2000;
-/// Largest distance of the change of phase, in half turns, from an integer.
-const MAX_FRACTION: f64 = 0.05;
 
 /// Known eigenvalues.
 #[derive(Clone, Debug, Default)]
@@ -45,17 +42,6 @@ pub(in crate::modal) struct Known {
     pub zeros: usize,
     /// Other real eigenvalues, and one of each conjugate pair, rad/s.
     pub values: Vec<Complex64>,
-}
-
-/// The upper half of a contour: corners in ln λ, from the real axis to the real axis.
-#[derive(Clone, Debug)]
-pub(in crate::modal) struct Contour(pub Vec<Complex64>);
-
-impl Contour {
-    /// The disk |λ| < `radius`.
-    pub fn of_disk(radius: f64) -> Self {
-        Self(vec![Complex64::new(radius.ln(), 0.0), Complex64::new(radius.ln(), PI)])
-    }
 }
 
 /// Logarithm, up to multiples of 2πi, of the determinant at λ without the factors of the known eigenvalues.
@@ -89,67 +75,56 @@ fn reduced(value: Complex64) -> Complex64 {
     Complex64::new(value.re, Complex64::from_polar(1.0, value.im).arg())
 }
 
-/// Number of eigenvalues inside of `contour` that are missing in `known`, negative if a known value is none; `None` if it
+/// Number of eigenvalues with |λ| < `radius`, rad/s, that are missing in `known`, negative if a known value is none; `None` if it
 /// cannot be determined.
-pub(in crate::modal) fn missing(
+pub(in crate::modal) fn missing_in_disk(
     determinant: impl Fn(Complex64) -> Option<Determinant>,
     known: &Known,
-    contour: &Contour,
+    radius: f64,
 ) -> Option<i64> {
     let value = |z: Complex64| determinant(z.exp()).map(|found| deflated(found, known, z.exp()));
-    let first = *contour.0.first()?;
+    let first = Complex64::from(radius.ln());
     let begin = value(first)?;
-    // S is real for real λ, so that the values are mirrored at the real axis.
-    let mirrored = |(z, value): (Complex64, Complex64)| {
-        let (z, value) = (z - first, value - begin);
-        (first + Complex64::new(z.re, -z.im), begin + Complex64::new(value.re, -value.im))
-    };
     let mut points = vec![(first, begin)];
-    let (mut end, mut step, mut count) = (begin, FIRST_STEP, 0);
-    for side in contour.0.windows(2) {
-        let length = (side[1] - side[0]).norm();
-        let mut distance = 0.0;
-        while distance < length {
-            let next = if distance + step > (1.0 - MIN_STEP) * length { length } else { distance + step };
-            let z = side[0] + (side[1] - side[0]) * (next / length);
-            let predicted = extrapolated(&points, z);
-            let uncertainty = points
-                .get(1..)
-                .filter(|rest| !rest.is_empty())
-                .map_or(0.0, |rest| (predicted - extrapolated(rest, z)).norm());
-            if uncertainty > MAX_UNCERTAINTY {
-                step = (next - distance) / 2.0;
-                continue;
-            }
-            let error = reduced(value(z)? - predicted);
-            count += 1;
-            if count > MAX_DETERMINANTS || !error.is_finite() {
+    let (mut end, mut step, mut count, mut angle) = (begin, FIRST_STEP, 0, 0.0);
+    while angle < PI {
+        let next = if angle + step > (1.0 - MIN_STEP) * PI { PI } else { angle + step };
+        let z = Complex64::new(first.re, next);
+        let predicted = extrapolated(&points, z);
+        let rest = points.get(1..).filter(|rest| !rest.is_empty());
+        if rest.is_some_and(|rest| (predicted - extrapolated(rest, z)).norm() > 2.0 * MAX_ERROR) {
+            step = (next - angle) / 2.0;
+            continue;
+        }
+        let error = reduced(value(z)? - predicted);
+        count += 1;
+        if count > MAX_DETERMINANTS || !error.is_finite() {
+            return None;
+        }
+        if error.norm() > MAX_ERROR {
+            step = (next - angle) / 2.0;
+            if step < MIN_STEP {
                 return None;
             }
-            if error.norm() > MAX_ERROR {
-                step = (next - distance) / 2.0;
-                if step < MIN_STEP {
-                    return None;
-                }
-                continue;
-            }
-            end = predicted + error;
-            if points.len() == 1 {
-                points.insert(0, mirrored((z, end)));
-            }
-            points.push((z, end));
-            if points.len() > POINTS {
-                points.remove(0);
-            }
-            distance = next;
-            if error.norm() < SMALL_ERROR {
-                step = (step * GROWTH).min(MAX_STEP);
-            }
+            continue;
+        }
+        end = predicted + error;
+        if points.len() == 1 {
+            // S is real for real λ, so that the values are mirrored at the real axis.
+            points.insert(0, (z.conj(), begin + (end - begin).conj()));
+        }
+        points.push((z, end));
+        if points.len() > POINTS {
+            points.remove(0);
+        }
+        angle = next;
+        if error.norm() < SMALL_ERROR {
+            step = (step * GROWTH).min(MAX_STEP);
         }
     }
     let half_turns = (end - begin).im / PI;
     let missing = half_turns.round();
-    ((half_turns - missing).abs() < MAX_FRACTION).then_some(missing as i64)
+    ((half_turns - missing).abs() < SMALL_ERROR).then_some(missing as i64)
 }
 
 #[cfg(test)]
@@ -181,7 +156,7 @@ mod tests {
     #[test]
     fn every_missing_eigenvalue_is_counted() {
         let missing = |zeros: usize, values: &[Complex64]| {
-            super::missing(determinant(0), &Known { zeros, values: values.to_vec() }, &Contour::of_disk(5.0))
+            missing_in_disk(determinant(0), &Known { zeros, values: values.to_vec() }, 5.0)
         };
         assert_eq!(missing(2, &VALUES), Some(0));
         // A pair counts twice; the third pair and the last real eigenvalue are outside.
@@ -196,16 +171,14 @@ mod tests {
     #[test]
     fn whole_turns_of_the_phase_are_not_lost() {
         // The circle begins where the phase of a determinant of high degree changes most.
-        let disk = Contour::of_disk(5.0);
         for others in [750, 1000, 1500, 3000] {
-            let missing = super::missing(determinant(others), &Known { zeros: 2, values: VALUES[1..].to_vec() }, &disk);
+            let missing = missing_in_disk(determinant(others), &Known { zeros: 2, values: VALUES[1..].to_vec() }, 5.0);
             assert_eq!(missing, Some(2), "{others}");
         }
     }
 
     #[test]
     fn many_other_eigenvalues_do_not_disturb_the_count() {
-        let disk = Contour::of_disk(5.0);
         for others in [10, 100, 1000] {
             let calls = std::cell::Cell::new(0);
             let determinant = determinant(others);
@@ -213,7 +186,7 @@ mod tests {
                 calls.set(calls.get() + 1);
                 determinant(at)
             };
-            assert_eq!(super::missing(counted, &Known { zeros: 2, values: VALUES[1..].to_vec() }, &disk), Some(2));
+            assert_eq!(missing_in_disk(counted, &Known { zeros: 2, values: VALUES[1..].to_vec() }, 5.0), Some(2));
             assert!(calls.get() < 60, "{} determinants for {others}", calls.get());
         }
     }

@@ -1,33 +1,26 @@
-//! The lowest undamped critical speeds, in time proportional to n: Lanczos method with a count.
+//! The lowest undamped critical speeds, in time proportional to n.
 //!
-//! An undamped mode with the frequency ω = order·Ω satisfies K x = ω² B x with B = M − iG/order. The operator K⁻¹B is
-//! Hermitian in the inner product xᴴKy; its largest eigenvalues 1/ω² belong to the lowest critical speeds. Null motions N
-//! have no stiffness: every x satisfies NᴴBx = 0, and springs ([`Pins`]) make K regular.
+//! An undamped mode with λ = iω, ω = order·Ω, satisfies K x = −λ² B x with B = M − iG/order. The operator K⁻¹B is Hermitian in
+//! the inner product xᴴKy; its eigenvalues −1/λ² of largest magnitude belong to the lowest critical speeds ([`super::arnoldi`]),
+//! or to real λ, which are none. Null motions N have no stiffness: every x satisfies NᴴBx = 0, and springs ([`Pins`]) make K
+//! regular.
 //!
-//! The inertia of K − σB counts the critical speeds with 0 < σ < ω² where K is positive semidefinite: with K > 0, K − σB is
-//! congruent to I − σA, whose eigenvalues are 1 − σ/σ_j. [`super::contour`] counts them otherwise: the zeros of det(K − σB).
+//! The inertia of K − σB counts the critical speeds with 0 < ω² < σ where K is positive semidefinite: with K > 0, K − σB is
+//! congruent to I − σA, whose eigenvalues are 1 − σ/σ_j. [`super::contour`] counts otherwise: the zeros σ of det(K − σB).
 
 use nalgebra::{Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::contour::{self, Contour, Known};
-use super::intersection::ModeAtSpeed;
-use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, RitzPair, solve_complex};
+use super::arnoldi::{Found, Search};
+use super::contour::{self, Known};
+use super::newton::ModeAtSpeed;
+use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Side, solve_complex};
 use crate::modal::undamped::{Pins, null_motions};
 use crate::model::{Model, Support, Weights};
 
 /// Speed of the reference shaft at which critical speeds have their loaded flanks and, where no table has another lowest speed, the
 /// equilibrium of rolling bearings, rad/s: both depend on the direction of rotation only.
 pub const FORWARD: f64 = 1.0;
-/// Relative residual of an accurate mode, and of one that is recognised.
-const ACCURATE: f64 = 1e-12;
-const RECOGNISED: f64 = 1e-7;
-/// Smallest relative distance of two values of σ between which the count ends.
-const GAP: f64 = 1e-4;
-/// The count begins at this fraction of the lowest σ: the Lanczos method finds every lower one first.
-const LOWEST: f64 = 1e-2;
-/// Number of times that start vectors are added for missing modes.
-const MAX_RESTARTS: usize = 4;
 
 /// The `count` lowest speeds Ω > 0 at which an undamped mode has the frequency `order`·Ω, ascending; `None` if the model has
 /// fewer, or they cannot be told apart.
@@ -40,54 +33,18 @@ pub fn lowest_critical(
     count: usize,
 ) -> Result<Option<Vec<ModeAtSpeed>>, DecompositionError> {
     let inverse = CriticalInverse::new(model, order)?;
-    let mut space = Krylov::new(&inverse, []);
-    // Forward and backward modes, or equal shafts, may have equal critical speeds.
-    for _ in 0..2 {
-        space.add_start()?;
-    }
-    let mut target = 3 * count + 20;
-    let most = 6 * target + 60;
-    let mut restarts = 0;
-    loop {
-        while space.steps() < target && !space.is_complete() {
-            space.step()?;
-        }
-        let mut found: Vec<RitzPair> = space.ritz_pairs()?;
-        found.retain(|pair| pair.value.re > 0.0 && pair.residual <= RECOGNISED);
-        found.sort_by(|a, b| b.value.re.total_cmp(&a.value.re));
-        let steps = space.steps();
-        let Some((number, limit)) = boundary(&found, count) else {
-            if space.is_complete() || steps >= most {
-                return Ok(None);
-            }
-            target = steps + (steps / 4).max(8);
-            continue;
-        };
-        match inverse.missing(&found, limit) {
-            Some(0) => {
-                let mut modes: Vec<_> = found[..number].iter().map(|pair| inverse.mode(space.vector(pair))).collect();
-                modes.sort_by(|a, b| a.speed.total_cmp(&b.speed));
-                modes.truncate(count);
-                return Ok(Some(modes));
-            }
-            Some(missing) if missing > 0 && restarts < MAX_RESTARTS => {
-                restarts += 1;
-                space.add_start()?;
-                space.add_start()?;
-                target = steps + 2 * count + 20;
-            }
-            _ => return Ok(None),
-        }
-    }
-}
-
-/// Number of accurate values, at least `count`, up to a gap, and σ within this gap.
-fn boundary(found: &[RitzPair], count: usize) -> Option<(usize, f64)> {
-    let accurate = found.iter().take_while(|pair| pair.residual <= ACCURATE).count();
-    (count.max(1)..accurate).find_map(|number| {
-        let (below, above) = (1.0 / found[number - 1].value.re, 1.0 / found[number].value.re);
-        (above > (1.0 + GAP) * below).then(|| (number, f64::midpoint(below, above)))
-    })
+    let search = Search {
+        count,
+        is_wanted: &|value| value.im > 0.0,
+        missing: &|found, radius| inverse.missing(found, radius * radius),
+    };
+    let found = search.run(Krylov::new(&inverse, []), |value| Some((-1.0 / value).sqrt()))?;
+    Ok(found.map(|spectrum| {
+        let modes = spectrum.wanted(count).map(|found| inverse.mode(spectrum.space.vector(&found.pair)));
+        let mut modes: Vec<_> = modes.collect();
+        modes.sort_by(|a, b| a.speed.total_cmp(&b.speed));
+        modes
+    }))
 }
 
 /// K⁻¹B on the vectors with NᴴBx = 0.
@@ -139,25 +96,23 @@ impl<'m> CriticalInverse<'m> {
         *x -= &self.null * parts;
     }
 
-    /// Number of critical speeds with σ < `limit` that are not found.
-    fn missing(&self, found: &[RitzPair], limit: f64) -> Option<i64> {
+    /// Number of eigenvalues σ = −λ² with |σ| < `limit`, rad²/s², that are missing in `found`; where K is positive semidefinite, of
+    /// those with σ > 0.
+    fn missing(&self, found: &[Found], limit: f64) -> Option<i64> {
+        let values: Vec<Complex64> =
+            found.iter().map(|found| Complex64::from(-(found.value * found.value).re)).collect();
         if is_semidefinite(self.model, FORWARD) {
             let matrix = self.model.dynamic_stiffness(&weights(Complex64::from(limit), self.order), FORWARD);
-            let known = self.positive_null + found.iter().filter(|pair| 1.0 / pair.value.re < limit).count();
+            let below = values.iter().filter(|value| (0.0..limit).contains(&value.re)).count();
             if let Some(negative) = matrix.negative_eigenvalues() {
-                return Some(negative as i64 - known as i64);
+                return Some(negative as i64 - (self.positive_null + below) as i64);
             }
         }
-        let values: Vec<Complex64> = found.iter().map(|pair| 1.0 / Complex64::from(pair.value.re)).collect();
-        let lowest = LOWEST * values.first().map_or(limit, |value| value.re);
-        let at = |size: f64, angle: f64| Complex64::new(size.ln(), angle);
-        let quarter = std::f64::consts::FRAC_PI_2;
-        let contour = Contour(vec![at(limit, 0.0), at(limit, quarter), at(lowest, quarter), at(lowest, 0.0)]);
         let determinant = |sigma: Complex64| {
             let matrix = self.model.dynamic_stiffness(&weights(sigma, self.order), FORWARD);
             matrix.determinant(-1.0).ok()
         };
-        contour::missing(determinant, &Known { zeros: 0, values }, &contour)
+        contour::missing_in_disk(determinant, &Known { zeros: self.null.ncols(), values }, limit)
     }
 
     /// The critical speed of a vector, from its Rayleigh quotient.
@@ -200,9 +155,8 @@ impl Operator for CriticalInverse<'_> {
     fn apply(&self, x: &[Complex64]) -> Result<Vec<Complex64>, DecompositionError> {
         let mut x = DVector::from_column_slice(x);
         self.without_null(&mut x);
-        let mut image = self.model.to_circular(self.inertia(&x).as_slice());
-        self.factors.solve(&mut image)?;
-        let mut image = DVector::from_vec(self.model.from_circular(&image));
+        let force = self.inertia(&x);
+        let (mut image, _) = self.model.solve(&self.factors, Side::Right, Some(0.0), force.as_slice())?;
         self.without_null(&mut image);
         Ok(image.as_slice().to_vec())
     }

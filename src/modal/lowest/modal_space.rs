@@ -20,6 +20,7 @@ use crate::linalg::{DecompositionError, matrix_of_columns, symmetric_eigen};
 use crate::modal::state_space::Projected;
 use crate::modal::undamped::{ModalDamping, RealModes, ShiftInverse, SpectralRange, null_motions, times};
 use crate::model::Model;
+use crate::numerics::{ROOT_OF_ROUND_OFF, ROUND_OFF};
 
 /// Smallest number of elastic modes with damping. In the machines of `examples/machines` with a ratio of 0.01, the others change
 /// responses to bow and unbalance by less than 1e-5 of their size.
@@ -29,6 +30,8 @@ const MIN_DAMPED_MODES: usize = 80;
 const FREQUENCY_MARGIN: f64 = 8.0;
 /// Part of all modes up to which a Krylov space gives the lowest ones faster than dense matrices give all.
 const MAX_KRYLOV_FRACTION: f64 = 0.3;
+/// Smallest number of degrees of freedom for which band matrices give few modes or responses faster than dense ones.
+pub const MIN_BANDED: usize = 100;
 /// Largest number of degrees of freedom for which dense matrices replace band matrices that do not give an answer. All modes of
 /// such a model take minutes.
 pub const MAX_DENSE: usize = 2000;
@@ -40,10 +43,6 @@ const GAP: f64 = 1e-3;
 /// with 20 modes and one shift within 2e-8, with six modes and eight shifts within 3e-10.
 const MIN_CHANGING_MODES: usize = 20;
 const SHIFTS: usize = 8;
-/// Square of the part of these displacements outside of the others below which it is left out.
-const SHIFTED_DEPENDENCE_TOLERANCE: f64 = 1e-12;
-/// Part of a static displacement outside of the others below which it is left out.
-const DEPENDENCE_TOLERANCE: f64 = 1e-8;
 
 /// Highest frequency in question.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,7 +163,7 @@ impl ModalSpace {
             *value *= scale[place % rows.len()] * scale[place / rows.len()];
         });
         let found = symmetric_eigen(&form)?;
-        let independent = (0..rows.len()).filter(|index| found.values[*index] > DEPENDENCE_TOLERANCE);
+        let independent = (0..rows.len()).filter(|index| found.values[*index] > ROOT_OF_ROUND_OFF);
         let scaled = DMatrix::from_diagonal(&scale);
         let mut columns: Vec<DVector<f64>> = known.column_iter().skip(null).map(|column| column.into_owned()).collect();
         columns.extend(
@@ -223,7 +222,7 @@ impl ModalSpace {
         constant.view_mut((lowest, lowest), (count, count)).copy_from(&(basis.vectors.transpose() * scaled));
         self.shapes.columns_mut(lowest, count).copy_from(&(others * &basis.vectors));
         self.momenta = Arc::new(model.mass_times(&self.shapes));
-        self.changing = lowest + basis.values.iter().filter(|value| **value < -SHIFTED_DEPENDENCE_TOLERANCE).count();
+        self.changing = lowest + basis.values.iter().filter(|value| **value < -ROUND_OFF).count();
         self.constant_rates = constant - self.damping(model, speed)?.rates;
         Ok(())
     }

@@ -11,14 +11,12 @@
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 use num_complex::Complex64;
 
-use super::contour::{self, Contour, Known};
+use super::contour::{self, Known};
 use super::selection::ascending;
-use crate::linalg::{CoupledFactors, DecompositionError, LuFactors, Operator, Sparse};
-use crate::modal::undamped::{ModalDamping, ShiftInverse, SpectralRange, mass_times, null_motions};
+use crate::linalg::{CoupledFactors, DecompositionError, LuFactors, MAX_BACKWARD_ERROR, Operator, Sparse};
+use crate::modal::undamped::{ModalDamping, SpectralRange, mass_times, null_motions};
 use crate::model::{Model, Weights};
 
-/// A smaller force of D on a rigid-body mode, relative to the largest entry of D, is round-off.
-const UNCOUPLED: f64 = 1e-11;
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
 const MAX_CORRECTION: f64 = 1e-6;
 
@@ -85,7 +83,7 @@ impl<'m> Problem<'m> {
             let mut force = vec![0.0; motion.len()];
             rate.multiply_add(1.0, &motion, &mut force);
             let size = motion.iter().zip(&inertia).map(|(x, m)| x.abs() * m.sqrt()).fold(0.0, f64::max);
-            force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > UNCOUPLED * largest * size)
+            force.iter().zip(&inertia).any(|(force, m)| force.abs() / m.sqrt() > MAX_BACKWARD_ERROR * largest * size)
         };
         let shift = range.slowest.unwrap_or(range.fastest.max(1.0));
         Ok(Self {
@@ -172,7 +170,7 @@ impl<'m> Problem<'m> {
             let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
             matrix.determinant(sense).ok()
         };
-        contour::missing(determinant, &Known { zeros, values: found.collect() }, &Contour::of_disk(radius))
+        contour::missing_in_disk(determinant, &Known { zeros, values: found.collect() }, radius)
     }
 
     /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off
@@ -250,18 +248,7 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
         let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(1.0)?;
         let update = problem.modal.map(|modal| -> Result<_, DecompositionError> {
-            let mut responses = DMatrix::zeros(modal.momenta.nrows(), modal.momenta.ncols());
-            // The matrix is real: real and imaginary part are two columns.
-            for first in (0..modal.momenta.ncols()).step_by(2) {
-                let second = (first + 1).min(modal.momenta.ncols() - 1);
-                let pair = modal.momenta.column(first).zip_map(&modal.momenta.column(second), Complex64::new);
-                let mut x = problem.model.to_circular(pair.as_slice());
-                factors.solve(&mut x)?;
-                for (row, value) in problem.model.from_circular(&x).iter().enumerate() {
-                    responses[(row, second)] = value.im;
-                    responses[(row, first)] = value.re;
-                }
-            }
+            let responses = problem.model.solve_columns(&factors, &modal.momenta)?;
             let rates = &modal.rates * shift;
             let mut capacity = &rates * (modal.momenta.transpose() * &responses);
             (0..capacity.nrows()).for_each(|index| capacity[(index, index)] += 1.0);
@@ -309,34 +296,5 @@ impl Operator for FirstOrderInverse<'_, '_> {
         stiffness.multiply_add(1.0, x, &mut weighted);
         weighted.extend(mass_times(model, z));
         weighted
-    }
-}
-
-/// An operator whose eigenvalues θ belong to eigenvalues λ of the problem.
-pub(in crate::modal) trait Inverse: Operator<Scalar = f64> {
-    /// λ, rad/s.
-    fn eigenvalue(&self, value: Complex64) -> Complex64;
-
-    /// Number of entries of the shape x, the first ones of a vector of the operator.
-    fn shape_size(&self) -> usize;
-}
-
-impl Inverse for ShiftInverse<'_> {
-    fn eigenvalue(&self, value: Complex64) -> Complex64 {
-        Complex64::new(0.0, (1.0 / value.re - self.shift * self.shift).max(0.0).sqrt())
-    }
-
-    fn shape_size(&self) -> usize {
-        self.size()
-    }
-}
-
-impl Inverse for FirstOrderInverse<'_, '_> {
-    fn eigenvalue(&self, value: Complex64) -> Complex64 {
-        self.problem.shift + 1.0 / value
-    }
-
-    fn shape_size(&self) -> usize {
-        self.size() / 2
     }
 }

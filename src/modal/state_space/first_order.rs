@@ -12,9 +12,7 @@
 use nalgebra::DMatrix;
 
 use crate::modal::undamped::RealModes;
-
-/// Entries of D or N smaller than this fraction of the largest entry do not couple a rigid-body mode.
-const UNCOUPLED: f64 = 1e-12;
+use crate::numerics::ROUND_OFF;
 
 /// First-order form ẏ = A y.
 ///
@@ -48,7 +46,7 @@ impl FirstOrder {
         let n = real.frequencies.len();
         let elastic: Vec<usize> = (real.null..n).filter(|i| real.frequencies[*i] > 0.0).collect();
         let rigid_body: Vec<usize> = (0..n).filter(|i| real.frequencies[*i] == 0.0).collect();
-        let (smallest_damping, smallest_skew) = (UNCOUPLED * damping.amax(), UNCOUPLED * skew_part.amax());
+        let (smallest_damping, smallest_skew) = (ROUND_OFF * damping.amax(), ROUND_OFF * skew_part.amax());
         let coupled = |i: usize| {
             damping.row(i).amax() > smallest_damping
                 || damping.column(i).amax() > smallest_damping

@@ -19,6 +19,6 @@ pub(in crate::modal) use eigenvectors::Eigenvectors;
 pub use eigenvectors::{damped, physical, undamped};
 pub use first_order::FirstOrder;
 pub use growth::is_growing;
-pub use model::{LANES, MAX_CONDITION, ModalStateSpace, StateMatrix};
+pub use model::{MAX_CONDITION, ModalStateSpace, StateMatrix};
 pub use pairs::ModePair;
 pub use projected::Projected;

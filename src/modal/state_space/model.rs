@@ -15,12 +15,10 @@ use num_complex::Complex64;
 use super::first_order::FirstOrder;
 use super::growth::is_growing;
 use super::pairs::{ModePair, Pairs};
-use crate::linalg::{DecompositionError, matrix_of_columns};
+use crate::linalg::{DecompositionError, LANES, matrix_of_columns};
 use crate::modal::undamped::RealModes;
 use crate::model::Model;
 
-/// The slots of every part are padded to a multiple of this number, so that SIMD loops have no remainder.
-pub const LANES: usize = 8;
 /// Largest accepted condition number κ of the modes. Results lose about log₁₀ κ digits.
 pub const MAX_CONDITION: f64 = 1e8;
 

@@ -10,13 +10,11 @@ use num_complex::Complex64;
 use super::eigenpairs::Eigenpairs;
 use super::first_order::FirstOrder;
 use super::rigid_body::RigidBodyPositions;
-use crate::linalg::DecompositionError;
+use crate::linalg::{DecompositionError, MAX_BACKWARD_ERROR};
 use crate::modal::undamped::RealModes;
 
 /// Oscillations slower than this fraction of the lowest undamped frequency are rigid-body motions with round-off.
 const SLOWEST_OSCILLATION: f64 = 1e-6;
-/// Largest residual of the eigenpairs relative to the matrix norm; eigenpairs with a larger one are rejected.
-const MAX_RESIDUAL: f64 = 1e-11;
 
 /// Motion of one pair of coordinates (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +87,7 @@ impl Pairs {
         }
         let rates = eigenpairs.vectors.select_rows(&velocities);
         let rigid = RigidBodyPositions::new(&rates, &eigenpairs, if lowest > 0.0 { lowest } else { 1.0 });
-        let condition = if eigenpairs.residual(order) > MAX_RESIDUAL * order.matrix.norm() {
+        let condition = if eigenpairs.residual(order) > MAX_BACKWARD_ERROR * order.matrix.norm() {
             f64::INFINITY
         } else {
             eigenpairs.condition().max(rigid.condition())

@@ -16,9 +16,7 @@ use super::real::{RealModes, RigidMotion, rigid_body_modes, rigid_motions, sprin
 use crate::connection::Row;
 use crate::linalg::{DecompositionError, Sparse, SymmetricPencil, matrix_of_columns, symmetric_pencil};
 use crate::model::Model;
-
-/// A shape whose part independent of the other shapes is below this fraction is left out.
-const DEPENDENT: f64 = 1e-8;
+use crate::numerics::ROOT_OF_ROUND_OFF;
 
 /// Undamped modes of components.
 #[derive(Clone, Debug)]
@@ -134,7 +132,7 @@ fn component_shapes(values: &DVector<f64>, modes: &DMatrix<f64>, kept: usize, lo
                 residual.axpy(-known.dot(&residual), known, 1.0);
             }
         }
-        if residual.norm() > DEPENDENT * size {
+        if residual.norm() > ROOT_OF_ROUND_OFF * size {
             residuals.push(residual.normalize());
         }
     }

@@ -23,13 +23,12 @@ use super::components::ComponentModes;
 use crate::connection::{Connection, Row};
 use crate::linalg::{DecompositionError, Sparse, symmetric_eigen, symmetric_pencil};
 use crate::model::{DofKind, Link, Model, Support};
+use crate::numerics::ROUND_OFF;
 use crate::scene::Node;
 
 /// A rigid motion is a rigid-body mode if its eigenvalue with springs of unit stiffness is below this. Round-off leaves
 /// 1e-15.
 const ZERO_STIFFNESS: f64 = 1e-13;
-/// Values of ω² with a smaller relative difference count as equal; round-off hides smaller differences.
-const EQUAL: f64 = 1e-12;
 
 /// Undamped modes of a model, or of an uncoupled part of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,7 +178,7 @@ fn separate_equal_modes(
     }
     let mut first = known;
     while first < vectors.ncols() {
-        let equal = |column: &usize| (squares[*column] - squares[first]).abs() <= EQUAL * squares[first];
+        let equal = |column: &usize| (squares[*column] - squares[first]).abs() <= ROUND_OFF * squares[first];
         let count = (first..vectors.ncols()).take_while(equal).count().max(1);
         if count > 1 {
             let cluster = vectors.columns(first, count).into_owned();

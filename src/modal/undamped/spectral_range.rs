@@ -4,7 +4,9 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::real::{RealModes, null_motions};
-use crate::linalg::{CoupledFactors, DecompositionError, Operator, Sparse, eigenvector, largest_eigenvalue};
+use crate::linalg::{
+    CoupledFactors, DecompositionError, MAX_BACKWARD_ERROR, Operator, Sparse, eigenvector, largest_eigenvalue,
+};
 use crate::model::{Model, Weights};
 
 /// Relative change of a frequency at which an iteration ends.
@@ -13,8 +15,6 @@ const CONVERGED: f64 = 1e-7;
 const STEPS: usize = 10;
 /// The same for the lowest one.
 const FEW_STEPS: usize = 4;
-/// Backward error of the solutions that give the lowest frequency.
-const ROUND_OFF: f64 = 1e-11;
 /// Largest number of steps.
 const MAX_STEPS: usize = 300;
 /// Shift of the iteration for the lowest frequency, relative to the highest one: round-off of the stiffness is 1e-8 of
@@ -55,7 +55,7 @@ impl SpectralRange {
         let mut slowest = None;
         if null.ncols() < model.len() && fastest > 0.0 {
             let shift = SHIFT * fastest;
-            let inverse = ShiftInverse { tolerance: ROUND_OFF, ..ShiftInverse::new(model, speed, shift)? };
+            let inverse = ShiftInverse { tolerance: MAX_BACKWARD_ERROR, ..ShiftInverse::new(model, speed, shift)? };
             let (value, _) = largest(&inverse, &null, FEW_STEPS)?;
             slowest = Some((1.0 / value - shift * shift).max(0.0).sqrt());
         }
@@ -173,19 +173,7 @@ impl<'m> ShiftInverse<'m> {
 
     /// (K + s²M)⁻¹ F, n × m.
     pub fn solve_columns(&self, forces: &DMatrix<f64>) -> Result<DMatrix<f64>, DecompositionError> {
-        let mut solved = forces.clone();
-        // The matrix is real: real and imaginary part are two columns.
-        for first in (0..forces.ncols()).step_by(2) {
-            let second = (first + 1).min(forces.ncols() - 1);
-            let force = forces.column(first).zip_map(&forces.column(second), Complex64::new);
-            let mut x = self.model.to_circular(force.as_slice());
-            self.factors.solve(&mut x)?;
-            for (row, value) in self.model.from_circular(&x).iter().enumerate() {
-                (solved[(row, first)], solved[(row, second)]) =
-                    (value.re, if second > first { value.im } else { value.re });
-            }
-        }
-        Ok(solved)
+        Ok(self.model.solve_columns(&self.factors, forces)?)
     }
 
     /// (K + s²M)⁻¹ f, n entries.

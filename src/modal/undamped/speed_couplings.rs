@@ -22,11 +22,10 @@ use nalgebra::{DMatrix, DVector};
 use super::real::RealModes;
 use crate::linalg::{DecompositionError, symmetric_pencil};
 use crate::model::Model;
+use crate::numerics::ROOT_OF_ROUND_OFF;
 
 /// An eigenvector that lies in the chosen pairs up to this remainder belongs to them.
 const CHOSEN: f64 = 0.1;
-/// Singular values below this part of the largest entry are round-off, because those of ΓᵀΓ are their squares.
-const RESOLVED: f64 = 1e-8;
 
 /// What a coupling acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +102,7 @@ impl Skew {
         for ((row, column), entry) in (0..n * n).map(|at| (at % n, at / n)).zip(skew.iter_mut()) {
             *entry *= weights[row] * weights[column];
         }
-        let smallest = if smallest == 0.0 { RESOLVED * skew.amax() } else { smallest };
+        let smallest = if smallest == 0.0 { ROOT_OF_ROUND_OFF * skew.amax() } else { smallest };
         // The eigenvalues of −Γ² = ΓᵀΓ are σ², each of them twice.
         let square = skew.tr_mul(&skew);
         let eigen = symmetric_pencil(&square, &DMatrix::identity(n, n), &DMatrix::zeros(n, 0))?;

@@ -178,3 +178,37 @@ def test_chain_of_four_rigid_shafts():
     assert modes.frequencies_hz[0] == pytest.approx(0, abs=1e-3)
     # the twist of the shafts is 1e-5 of the mesh deflection
     assert 2 * np.pi * modes.frequencies_hz[1:] == pytest.approx(exact[1:], rel=1e-4)
+
+
+@pytest.mark.filterwarnings("ignore::gearbow.SceneWarning", "ignore::gearbow.AccuracyWarning")
+@pytest.mark.parametrize("density", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("elements", [2, 40])  # dense matrices, band matrices
+def test_shafts_with_hardly_any_inertia_do_not_hide_the_lowest_frequencies(density, elements):
+    # disks on short shafts, joined by couplings: only the disks have inertia, the shafts less
+    # than 1e-11 of it
+    inertias = np.array([1170.0, 1950.0, 10800.0, 11100.0, 10900.0, 430.0])
+    springs = [4.6e7, 8.3e7, 1.2e8, 1.7e8, 6.7e6]
+    stiffness = np.zeros((6, 6))
+    for index, spring in enumerate(springs):
+        stiffness[index : index + 2, index : index + 2] += [[spring, -spring], [-spring, spring]]
+    squares = np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(inertias, inertias)))
+    light = gb.Material(207e9, density, poisson_ratio=0.3)
+    names = [f"shaft {number}" for number in range(6)]
+    line = gb.RotorSystem(
+        motion="torsion",
+        shafts=[
+            gb.Shaft(name, length=0.1, outer_diameter=0.1, elements=elements, material=light)
+            for name in names
+        ],
+        disks=[
+            gb.Disk(f"disk of {name}", name, 0.05, 1.0, inertia / 2, inertia)
+            for name, inertia in zip(names, inertias, strict=True)
+        ],
+        couplings=[
+            gb.Coupling(f"disk of {first}", f"disk of {second}", torsional_stiffness=spring)
+            for first, second, spring in zip(names, names[1:], springs, strict=False)
+        ],
+    )
+    found = 2 * np.pi * line.modes(count=6).frequencies_hz
+    # round-off of the stiffness of the shafts is 1e-8 of the lowest frequency
+    assert found[1:] == pytest.approx(np.sqrt(squares[1:]), rel=1e-7)
