@@ -43,7 +43,7 @@ pub(super) fn elastic_tangent(bearing: &NonlinearBearing) -> BearingTangent {
     let n = bearing.rows.len();
     BearingTangent {
         displacement: DVector::zeros(n),
-        force: DVector::zeros(n),
+        force: bearing.initial_force(),
         stiffness: bearing.initial_stiffness * DMatrix::identity(n, n),
     }
 }
@@ -56,6 +56,9 @@ pub(super) fn tangent_towards(
     bearing: &NonlinearBearing,
     speed: f64,
 ) -> Option<BearingTangent> {
+    if bearing.is_squeeze() {
+        return Some(BearingTangent { displacement: u.clone(), ..elastic_tangent(bearing) });
+    }
     let (aim, mut part) = (force_at(from, u), 1.0);
     while part >= LEAST_PART {
         let force = &from.force + part * (&aim - &from.force);
