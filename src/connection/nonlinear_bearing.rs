@@ -202,6 +202,15 @@ impl BearingLaw {
     }
 }
 
+/// The tilt of a pad as a coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct Tilt {
+    /// Index of the coordinate.
+    pub index: usize,
+    /// Displacement of the centre of the pad per unit of the coordinate.
+    pub scale: f64,
+}
+
 /// A bearing with a nonlinear force.
 #[derive(Clone, Debug)]
 pub struct NonlinearBearing {
@@ -219,6 +228,8 @@ pub struct NonlinearBearing {
     pub law: BearingLaw,
     /// Stiffness with which a search of the equilibrium starts, N/m.
     pub initial_stiffness: f64,
+    /// The tilt of a tilting pad.
+    pub tilt: Option<Tilt>,
     /// The coefficients in the matrices; none in a model without a speed.
     pub point: Option<OperatingPoint>,
 }
@@ -227,7 +238,7 @@ impl NonlinearBearing {
     /// A bearing with these scalars, without coefficients in the matrices, from the speed ratios of its shaft and of what it
     /// stands on.
     pub fn new(number: usize, rows: Vec<Row>, turning: usize, ratios: [f64; 2], law: BearingLaw) -> Self {
-        Self { number, rows, ratio: law.mean_speed(ratios), turning, law, initial_stiffness: 0.0, point: None }
+        Self { number, rows, ratio: law.mean_speed(ratios), turning, law, initial_stiffness: 0.0, tilt: None, point: None }
     }
 
     /// Whether a shaft turns in its oil film.
@@ -297,12 +308,19 @@ impl NonlinearBearing {
         };
     }
 
-    /// Force over the scalars with which a search of the equilibrium starts: every tilting pad carries the weight, so that those
-    /// opposite to it stay loaded.
-    pub fn initial_force(&self) -> DVector<f64> {
-        let BearingLaw::Film(film) = &self.law else { return DVector::zeros(self.rows.len()) };
-        let weight = self.initial_stiffness * film.clearance() / 3.0;
-        film.pivot().map_or_else(|| DVector::zeros(2), |pivot| weight * DVector::from_column_slice(&pivot))
+    /// Coordinate and value of the tilt of a pad with which a search of the equilibrium starts at a speed of the reference shaft,
+    /// rad/s: its film narrows in the direction of rotation. None for another bearing.
+    pub fn initial_tilt(&self, speed: f64) -> Option<(usize, f64)> {
+        let (BearingLaw::Film(film), Some(tilt)) = (&self.law, self.tilt) else { return None };
+        Some((tilt.index, -film.start_wedge(self.ratio * speed) / tilt.scale))
+    }
+
+    /// Whether the film of a tilting pad narrows in the direction of rotation at displacements q and a speed of the reference
+    /// shaft, rad/s, so that it carries; true for another bearing.
+    pub fn is_wedged(&self, q: &[f64], speed: f64) -> bool {
+        let BearingLaw::Film(film) = &self.law else { return true };
+        let [y, z] = self.scalars(q);
+        film.pivot().is_none_or(|[a, b]| (a * z - b * y) * self.ratio * speed > 0.0)
     }
 
     /// The scalars for displacements, or their rates for velocities.

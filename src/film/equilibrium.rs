@@ -16,6 +16,11 @@ const START_WEDGE: f64 = 0.4;
 pub(super) const CLEARANCE_SHARE: f64 = 0.8;
 
 impl Film {
+    /// Displacement of the journal across the pivot of a tilting pad, m, with which a search starts at a spin, rad/s.
+    pub fn start_wedge(&self, spin: f64) -> f64 {
+        START_WEDGE * self.clearance * spin.signum()
+    }
+
     /// Displacement of the journal, m, and the film there, under a static load over (y, z), N, at a spin, rad/s.
     ///
     /// # Errors
@@ -30,7 +35,7 @@ impl Film {
             is_permitted: &|from, to| self.nearness(to) <= limit(self.nearness(from)),
         };
         // A tilting pad carries where its film narrows in the direction of rotation.
-        let wedge = START_WEDGE * self.clearance * spin.signum();
+        let wedge = self.start_wedge(spin);
         let start = self.pivot().map_or([0.0; 2], |[y, z]| [-z * wedge, y * wedge]);
         let found = search.from(start);
         match self.nearness(found.displacement) {

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::link::{Link, axial_bearing_row, links, slope_rows};
 use super::{Model, Numbering, Support, bearing_rows};
 use crate::connection::{
-    AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing,
+    AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing, Tilt,
 };
 use crate::film::{Film, TiltingPads};
 use crate::numerics::ROUND_OFF;
@@ -74,7 +74,9 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
                     rows[axis].iter().copied().chain(own).collect()
                 };
                 let rows = vec![row(0), row(1)];
-                found.push(NonlinearBearing::new(number, rows, turning, ratios, BearingLaw::Film(film)));
+                let pad = NonlinearBearing::new(number, rows, turning, ratios, BearingLaw::Film(film));
+                let tilt = motions.first().map(|(index, way)| Tilt { index: *index, scale: way[0].hypot(way[1]) });
+                found.push(NonlinearBearing { tilt, ..pad });
             }
         } else if let Some((law, rows)) = law(bearing).zip(bearing_rows(scene, numbering, bearing)) {
             let mut rows = Vec::from(rows);

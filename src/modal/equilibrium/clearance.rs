@@ -56,6 +56,16 @@ pub(in crate::modal) fn check_journals(
     Ok(())
 }
 
+/// Refuses a tilting pad that carries nothing at a speed of the reference shaft, rad/s, so that its tilt is free.
+pub(in crate::modal) fn check_tilts(model: &Model, q: &DVector<f64>, speed: f64) -> Result<(), SceneError> {
+    match model.nonlinear_bearings.iter().find(|bearing| !bearing.is_wedged(q.as_slice(), speed)) {
+        Some(bearing) => Err(EntryPath::entry("bearings", bearing.number).error(
+            "a tilting pad carries nothing at this load and speed, so that its tilt is free; raise its preload, or use reduced=\"synchronous\"",
+        )),
+        None => Ok(()),
+    }
+}
+
 /// Fraction of a Newton step that keeps journals off their bearings.
 pub(in crate::modal) fn within_clearances(model: &Model, q: &DVector<f64>, step: &DVector<f64>) -> f64 {
     let mut fraction: f64 = 1.0;

@@ -43,7 +43,7 @@ pub(super) fn elastic_tangent(bearing: &NonlinearBearing) -> BearingTangent {
     let n = bearing.rows.len();
     BearingTangent {
         displacement: DVector::zeros(n),
-        force: bearing.initial_force(),
+        force: DVector::zeros(n),
         stiffness: bearing.initial_stiffness * DMatrix::identity(n, n),
     }
 }
