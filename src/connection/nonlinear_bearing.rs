@@ -238,7 +238,16 @@ impl NonlinearBearing {
     /// A bearing with these scalars, without coefficients in the matrices, from the speed ratios of its shaft and of what it
     /// stands on.
     pub fn new(number: usize, rows: Vec<Row>, turning: usize, ratios: [f64; 2], law: BearingLaw) -> Self {
-        Self { number, rows, ratio: law.mean_speed(ratios), turning, law, initial_stiffness: 0.0, tilt: None, point: None }
+        Self {
+            number,
+            rows,
+            ratio: law.mean_speed(ratios),
+            turning,
+            law,
+            initial_stiffness: 0.0,
+            tilt: None,
+            point: None,
+        }
     }
 
     /// Whether a shaft turns in its oil film.

@@ -232,7 +232,9 @@ impl Film {
     pub fn at(&self, displacement: Vector, velocity: Vector, spin: f64) -> BearingForce {
         let mut sum = BearingForce::default();
         match self.kind {
-            Kind::Journal | Kind::TiltingPad(_) => self.pads.iter().for_each(|pad| pad.add(displacement, velocity, spin / 2.0, &mut sum)),
+            Kind::Journal | Kind::TiltingPad(_) => {
+                self.pads.iter().for_each(|pad| pad.add(displacement, velocity, spin / 2.0, &mut sum))
+            }
             Kind::RupturedSqueeze => self.pads.iter().for_each(|pad| pad.add(displacement, velocity, 0.0, &mut sum)),
             Kind::Squeeze => {
                 self.pads.iter().for_each(|pad| pad.add_linear(displacement, velocity, pad.scale, &mut sum));

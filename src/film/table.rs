@@ -195,8 +195,7 @@ impl FilmTable {
         // (1/ε) ∂/∂y of the growth, times ε.
         let steeper = 5.0 * y / inside;
         let f = [0, 1].map(|i| value_0[i] + ratio * growth * value[i]);
-        let by_ratio =
-            [0, 1].map(|i| growth * ((1.0 + ratio * near * steeper) * value[i] + ratio * range * slope[i]));
+        let by_ratio = [0, 1].map(|i| growth * ((1.0 + ratio * near * steeper) * value[i] + ratio * range * slope[i]));
         // (1/ε) ∂f/∂ψ at constant β: the vector turns with u, and γ = β − ψ decreases.
         let quarter = [-value[1], value[0]];
         let by_psi = [0, 1].map(|i| {

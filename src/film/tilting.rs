@@ -232,20 +232,12 @@ impl TiltingPad {
 const LEAST_FREQUENCY: f64 = 1e-3;
 
 /// Stiffness and damping after the elimination of a motion of a pad along a unit vector, on a dynamic stiffness of its own, N/m.
-fn eliminated(
-    [stiffness, damping]: [[[f64; 2]; 2]; 2],
-    b: Vector,
-    own: f64,
-    frequency: f64,
-) -> [[[f64; 2]; 2]; 2] {
+fn eliminated([stiffness, damping]: [[[f64; 2]; 2]; 2], b: Vector, own: f64, frequency: f64) -> [[[f64; 2]; 2]; 2] {
     let frequency = frequency.abs().max(LEAST_FREQUENCY);
     let z = [0, 1].map(|i| [0, 1].map(|j| Complex64::new(stiffness[i][j], frequency * damping[i][j])));
     let right = [0, 1].map(|i| z[i][0] * b[0] + z[i][1] * b[1]);
     let left = [0, 1].map(|j| z[0][j] * b[0] + z[1][j] * b[1]);
     let pivot = right[0] * b[0] + right[1] * b[1] + own;
     let entry = |i: usize, j: usize| z[i][j] - right[i] * left[j] / pivot;
-    [
-        [0, 1].map(|i| [0, 1].map(|j| entry(i, j).re)),
-        [0, 1].map(|i| [0, 1].map(|j| entry(i, j).im / frequency)),
-    ]
+    [[0, 1].map(|i| [0, 1].map(|j| entry(i, j).re)), [0, 1].map(|i| [0, 1].map(|j| entry(i, j).im / frequency))]
 }

@@ -11,7 +11,8 @@ use crate::film::{Film, TiltingPads};
 use crate::numerics::ROUND_OFF;
 use crate::rolling::{Ring, RollingElements};
 use crate::scene::{
-    Attachment, Bearing, BearingCoefficient, EntryPath, Journal, LoadLaw, Matrix2, Node, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
+    Attachment, Bearing, BearingCoefficient, EntryPath, Journal, LoadLaw, Matrix2, Node, Nonlinear, STANDARD_GRAVITY,
+    Scene, SceneError,
 };
 
 /// Whether a bearing has constant coefficients: a linear bearing has stiffness and damping, and a ring of five degrees of freedom
@@ -91,9 +92,7 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
     }
     for (index, housing) in scene.housings.iter().enumerate() {
         let node = Node { shaft: scene.shafts.len() + index, node: 0 };
-        let stands = |bearing: &Bearing| {
-            matches!(bearing.attachment, Some(Attachment::Housing { housing, .. }) if housing == index)
-        };
+        let stands = |bearing: &Bearing| matches!(bearing.attachment, Some(Attachment::Housing { housing, .. }) if housing == index);
         let (Some(squeeze), Some(first), Some(number)) =
             (&housing.squeeze, numbering.translation(node), scene.bearings.iter().position(stands))
         else {
@@ -281,8 +280,9 @@ impl Model {
 
     /// The nonlinear bearings at a node.
     pub fn nonlinear_bearings_at(&self, node: Node) -> impl Iterator<Item = &NonlinearBearing> {
-        let is_there =
-            move |bearing: &&NonlinearBearing| self.scene.bearings[bearing.number].node == node && !bearing.is_squeeze();
+        let is_there = move |bearing: &&NonlinearBearing| {
+            self.scene.bearings[bearing.number].node == node && !bearing.is_squeeze()
+        };
         self.nonlinear_bearings.iter().filter(is_there)
     }
 
@@ -385,8 +385,7 @@ impl Model {
             let given = &mut model.scene.bearings[bearing.number];
             [given.stiffness, given.damping] = of(bearing);
         }
-        (model.supports, model.bearings) =
-            bearings(&model.scene, &model.numbering, self.nonlinear_bearings.len());
+        (model.supports, model.bearings) = bearings(&model.scene, &model.numbering, self.nonlinear_bearings.len());
         model.links = links(&model.scene, &model.numbering);
         model.add_operating_points();
         model

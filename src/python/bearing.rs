@@ -61,14 +61,13 @@ pub fn film_coefficients<'py>(
         );
         return Err(speed_at.error(message).into());
     }
-    let frequency = frequency.map(|value| EntryPath::root("frequency").non_negative(value)).transpose()?.unwrap_or(speed);
+    let frequency =
+        frequency.map(|value| EntryPath::root("frequency").non_negative(value)).transpose()?.unwrap_or(speed);
     let carried = || match TiltingPads::new(&journal, speed) {
         Some(pads) => pads.carrying(load, speed, frequency),
         None => Film::new(&journal, speed).carrying(load, speed),
     };
-    let (displacement, film) = py
-        .detach(|| caught(carried))?
-        .map_err(|cause| uncarried(cause, load, Some(speed)))?;
+    let (displacement, film) = py.detach(|| caught(carried))?.map_err(|cause| uncarried(cause, load, Some(speed)))?;
     coefficients(py, displacement, &film)
 }
 
@@ -87,7 +86,7 @@ pub fn squeeze_force(
     if displacement.iter().chain(&velocity).any(|value| !value.is_finite()) || film.nearness(displacement) >= 1.0 {
         return Err(SceneError::new("eccentricity_ratio", "must be finite and below 1").into());
     }
-    Ok(py.detach(|| caught(|| film.at(displacement, velocity, 0.0).force))?)
+    py.detach(|| caught(|| film.at(displacement, velocity, 0.0).force))
 }
 
 /// Computes displacement (2,), stiffness and damping (2, 2) of a rolling bearing under a static load over (y, z), N, at an

@@ -189,7 +189,10 @@ impl Journal {
 
 fn film(given: &description::Bearing, at: &EntryPath) -> Result<FilmKind, SceneError> {
     let grooves = given.grooves.as_deref().unwrap_or_default();
-    let is_full = given.pads.is_none() && given.pad_count.is_none() && grooves.is_empty() && given.profile.unwrap_or_default() == Profile::Plain;
+    let is_full = given.pads.is_none()
+        && given.pad_count.is_none()
+        && grooves.is_empty()
+        && given.profile.unwrap_or_default() == Profile::Plain;
     match given.film {
         Some(FilmModel::Short) if !grooves.is_empty() => {
             let message = format!("a short film has none, got {}; use film=\"finite\"", grooves.len());
@@ -198,12 +201,12 @@ fn film(given: &description::Bearing, at: &EntryPath) -> Result<FilmKind, SceneE
         Some(FilmModel::Short) if !is_full => {
             Err(at.field("film").error("a short film has a plain profile; use film=\"finite\""))
         }
-        Some(FilmModel::Short) | None if given.rupture.is_some() && is_full => {
-            Err(at.field("rupture").error("a short film ruptures by Gümbel's condition; use film=\"finite\", or leave it out"))
-        }
+        Some(FilmModel::Short) | None if given.rupture.is_some() && is_full => Err(at
+            .field("rupture")
+            .error("a short film ruptures by Gümbel's condition; use film=\"finite\", or leave it out")),
         Some(FilmModel::Short) => Ok(FilmKind::Short),
         None if is_full => Ok(FilmKind::Short),
-        None if !grooves.is_empty() => {
+        None if !grooves.is_empty() && given.profile.is_none() && given.pads.is_none() => {
             let message = format!("a short film has none, got {}; use film=\"finite\"", grooves.len());
             Err(at.field("grooves").error(message))
         }
@@ -237,9 +240,7 @@ fn tilting(given: &description::Bearing, at: &EntryPath) -> Result<Option<Tiltin
         };
     }
     let [_, inertia, mass, stiffness] = entries;
-    let positive = |(name, value): (&str, Option<f64>)| {
-        value.map(|value| at.field(name).positive(value)).transpose()
-    };
+    let positive = |(name, value): (&str, Option<f64>)| value.map(|value| at.field(name).positive(value)).transpose();
     let (inertia, mass, stiffness) = (positive(inertia)?, positive(mass)?, positive(stiffness)?);
     let spring = match (mass, stiffness) {
         (Some(mass), Some(stiffness)) => Some([mass, stiffness]),
@@ -263,11 +264,8 @@ fn tilting_pads(
     [length, clearance]: [f64; 2],
     at: &EntryPath,
 ) -> Result<Vec<Pad>, SceneError> {
-    let others = [
-        ("profile", given.profile.is_some()),
-        ("grooves", given.grooves.is_some()),
-        ("pads", given.pads.is_some()),
-    ];
+    let others =
+        [("profile", given.profile.is_some()), ("grooves", given.grooves.is_some()), ("pads", given.pads.is_some())];
     if let Some((name, _)) = others.iter().find(|(_, is_given)| *is_given) {
         return Err(at.field(name).error("a tilting-pad bearing takes none; leave it out"));
     }
@@ -300,12 +298,7 @@ fn tilting_pads(
 }
 
 /// The pads of a bearing: those given, those between grooves, or those of a profile.
-fn pads(
-    given: &description::Bearing,
-    length: f64,
-    clearance: f64,
-    at: &EntryPath,
-) -> Result<Vec<Pad>, SceneError> {
+fn pads(given: &description::Bearing, length: f64, clearance: f64, at: &EntryPath) -> Result<Vec<Pad>, SceneError> {
     let entries = [
         ("profile", given.profile.is_some()),
         ("grooves", given.grooves.is_some()),
@@ -370,12 +363,7 @@ fn preload(given: Option<f64>, usual: f64, at: &EntryPath) -> Result<f64, SceneE
     Err(at.error(format!("must be from 0 to below 1, got {value}; it is 1 - bearing clearance / pad clearance")))
 }
 
-fn given_pads(
-    given: &[description::Pad],
-    length: f64,
-    clearance: f64,
-    at: &EntryPath,
-) -> Result<Vec<Pad>, SceneError> {
+fn given_pads(given: &[description::Pad], length: f64, clearance: f64, at: &EntryPath) -> Result<Vec<Pad>, SceneError> {
     if given.is_empty() {
         return Err(at.error("must have at least one gb.Pad"));
     }

@@ -52,13 +52,13 @@ pub use bow::{Bow, BowCurve};
 pub(crate) use catalogue::estimate;
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
+pub use description::Rupture;
 pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};
 pub use error::SceneError;
 pub use friction::{Friction, FrictionLaw};
 pub use gear::Gear;
 pub use hertz::{LINE_CONTACT, POINT_CONTACT};
 pub use housing::{Attachment, Housing, HousingPoint};
-pub use description::Rupture;
 pub use journal::{FilmKind, Journal, Pad, Squeeze};
 pub use loads::{Coupling, Drive, Force, LoadLaw, SpringDamper, VaryingLoad};
 pub use material::Material;
@@ -219,7 +219,9 @@ impl Scene {
     fn add_tilting_pads(&mut self) {
         for (index, bearing) in self.bearings.iter_mut().enumerate() {
             let Some(Nonlinear::Journal(journal)) = &bearing.nonlinear else { continue };
-            if !journal.is_reduced() && let Some(pads) = housing::pads(format!("bearings[{index}].pads"), journal) {
+            if !journal.is_reduced()
+                && let Some(pads) = housing::pads(format!("bearings[{index}].pads"), journal)
+            {
                 bearing.pads = Some(self.housings.len());
                 self.housings.push(pads);
             }
@@ -231,7 +233,8 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the path of the first bearing that has them.
     pub fn refuse_reduced_pads(&self) -> Result<(), SceneError> {
-        let is_reduced = |bearing: &Bearing| matches!(&bearing.nonlinear, Some(Nonlinear::Journal(journal)) if journal.is_reduced());
+        let is_reduced =
+            |bearing: &Bearing| matches!(&bearing.nonlinear, Some(Nonlinear::Journal(journal)) if journal.is_reduced());
         match self.bearings.iter().position(is_reduced) {
             Some(index) => Err(EntryPath::entry("bearings", index).field("reduced").error(
                 "coefficients for one frequency are for linear analyses; leave it out for runs, in which the tilts of the pads are coordinates",
