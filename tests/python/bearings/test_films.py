@@ -91,10 +91,14 @@ def test_profiles_equal_an_independent_solution(profile: str):
     for i in range(count):
         middle = first + i * math.tau / count
         closest = middle + (math.pi / 2 if profile == "offset" else 0.0)
-        moved = place + preload * SIZE["clearance"] * np.array([math.cos(closest), math.sin(closest)])
+        moved = place + preload * SIZE["clearance"] * np.array(
+            [math.cos(closest), math.sin(closest)]
+        )
         rest = math.tau - math.tau / count + groove
         gap = [(middle + math.pi, rest)]
-        total += film.finite(Bearing(**SIZE), moved, np.zeros(2), speed, grooves=gap, shape=(360, 18))
+        total += film.finite(
+            Bearing(**SIZE), moved, np.zeros(2), speed, grooves=gap, shape=(360, 18)
+        )
     # both grids have errors of second order
     np.testing.assert_allclose(total, [0.0, -load], atol=0.01 * load)
 
@@ -139,7 +143,9 @@ def test_a_lemon_bore_is_stable_beyond_the_threshold_of_a_plain_bore():
     speeds = np.linspace(150.0, 1500.0, 19)
 
     def threshold(profile: str) -> float:
-        growths = [rotor(profile, film="finite").modes(s, count=4).eigenvalues.real.max() for s in speeds]
+        growths = [
+            rotor(profile, film="finite").modes(s, count=4).eigenvalues.real.max() for s in speeds
+        ]
         unstable = np.flatnonzero(np.array(growths) > 0.0)
         return float(speeds[unstable[0]]) if unstable.size else math.inf
 
@@ -229,7 +235,9 @@ def test_a_run_moves_the_pads():
     run = system.simulate(0.02, 300.0, output_step=1e-3, **options)
     moved = run.displacement("d")
     # the equilibrium stays
-    np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=1e-4 * np.abs(moved).max())
+    np.testing.assert_allclose(
+        moved, np.broadcast_to(moved[0], moved.shape), atol=1e-4 * np.abs(moved).max()
+    )
 
 
 # --- squeeze films -------------------------------------------------------------------------------
@@ -278,7 +286,13 @@ def test_a_damaged_table_is_made_anew(tmp_path: Path):
     environment = {**os.environ, "GEARBOW_CACHE": str(tmp_path)}
 
     def ask() -> str:
-        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         return done.stdout
 
     first = ask()
