@@ -751,7 +751,7 @@ METHODS["Static"][1]["plot"] = {}
 #: some arguments; each gives a result or an error of gearbow.
 OF_WRONG_TYPE = {
     "True": {"progress", "runout", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
-    | {"vibrating"}
+    | {"vibrating", "ruptures"}
     | {"damping_in_separation", "axial", "foundation", "geometric_stiffness", "bow_torque"},
     "function": {"gain", "progress", "make", "measure", "f", "speed", "value", "runout"},
     "object": set(),
