@@ -34,7 +34,12 @@ from gearbow.description.gears import (
     TipRelief as TipRelief,
     TransmissionError as TransmissionError,
 )
-from gearbow.description.journal import JournalBearing as JournalBearing
+from gearbow.description.journal import (
+    JournalBearing as JournalBearing,
+    Pad as Pad,
+    SqueezeFilm as SqueezeFilm,
+    TiltingPadBearing as TiltingPadBearing,
+)
 from gearbow.description.loads import (
     Bearing as Bearing,
     Coupling as Coupling,

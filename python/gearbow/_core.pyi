@@ -54,6 +54,7 @@ __all__ = [
     "rolling_coefficients",
     "rolling_estimate",
     "slowest_period",
+    "squeeze_force",
     "steady_state",
     "table_at_frequency",
     "user_order",
@@ -68,8 +69,14 @@ def check_final(last: Mapping[str, Any], checkpoint: Plain | None = None) -> Non
 def check_speed(breaks: list[float], coefficients: list[list[float]]) -> None: ...
 def connection_channels() -> dict[str, dict[str, str]]: ...
 def film_coefficients(
-    bearing: dict[str, Plain], load: tuple[float, float], speed: float
+    bearing: dict[str, Plain],
+    load: tuple[float, float],
+    speed: float,
+    frequency: float | None = None,
 ) -> FilmData: ...
+def squeeze_force(
+    support: dict[str, Plain], displacement: tuple[float, float], velocity: tuple[float, float]
+) -> list[float]: ...
 def motion_forms(
     rates: ComplexArray,
     speeds: Array,

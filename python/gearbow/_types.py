@@ -57,6 +57,14 @@ RollingKind: TypeAlias = Literal[
 ]
 #: Model of an oil film.
 FilmModel: TypeAlias = Literal["short", "finite"]
+#: Profile of the bore of a journal bearing.
+Profile: TypeAlias = Literal[
+    "plain", "two axial grooves", "lemon", "offset", "three-lobe", "four-lobe"
+]
+#: Frequency at which the tilts of pads are eliminated from the coefficients of their bearing.
+Reduction: TypeAlias = Literal["synchronous", "own"]
+#: Where an oil film ruptures.
+Rupture: TypeAlias = Literal["reynolds", "gumbel"]
 #: What excites the synchronous response.
 Excitation: TypeAlias = Literal["both", "bow", "unbalance"]
 #: What balancing cancels.

@@ -38,7 +38,9 @@ pub fn critical_speeds(
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
     EntryPath::root("order").positive(order)?;
-    if let Some(journal) = cached.model.nonlinear_bearings.iter().find(|bearing| bearing.film().is_some()) {
+    if let Some(journal) =
+        cached.model.nonlinear_bearings.iter().find(|bearing| bearing.is_journal() || bearing.is_squeeze())
+    {
         let message =
             "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());

@@ -37,8 +37,8 @@ impl<'a> Tangent<'a> {
 pub struct Touch {
     /// Index of the bearing in the scene.
     pub bearing: usize,
-    /// Eccentricity ratio ε; one or more.
-    pub eccentricity_ratio: f64,
+    /// Part of the clearance used at the nearest pad, for a plain film the eccentricity ratio; one or more.
+    pub nearness: f64,
 }
 
 /// A motion for which a connection has no force.

@@ -37,7 +37,7 @@ pub use instant::{GuaranteedInterval, Instant, InterfaceOptions, OutOfRange, Tan
 pub use interface::Interface;
 pub use load::{AppliedLoad, LoadInterface};
 pub use mesh::MeshInterface;
-pub use nonlinear_bearing::{BearingLaw, BearingTangent, NonlinearBearing, NonlinearInterface, OperatingPoint};
+pub use nonlinear_bearing::{BearingLaw, BearingTangent, NonlinearBearing, NonlinearInterface, OperatingPoint, Tilt};
 
 use crate::mesh::GearMesh;
 

@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 use super::instant::{Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
 use super::{Bounds, Coefficients, Row};
 use crate::bearing_force::{BearingForce, Matrix, Uncarried, Vector};
-use crate::film::Film;
+use crate::film::{Film, TiltingPads};
 use crate::mesh::ShaftPhase;
 use crate::rolling::{Ring, RollingElements};
 
@@ -45,8 +45,10 @@ pub struct OperatingPoint {
 /// The law of a nonlinear bearing.
 #[derive(Clone, Debug)]
 pub enum BearingLaw {
-    /// The oil film of a journal bearing.
+    /// An oil film: that of a journal bearing or of one tilting pad, or a squeeze film.
     Film(Film),
+    /// Tilting pads whose tilt is eliminated, for linear analyses.
+    Tilting(TiltingPads),
     /// Rolling elements between rings that move along (v, w).
     Rolling(RollingElements),
     /// Rolling elements between rings of five degrees of freedom.
@@ -61,6 +63,11 @@ trait Law<const N: usize> {
 
     /// Force, stiffness and damping at rest, averaged over the angle, at a spin of what turns the bearing, rad/s.
     fn mean(&self, u: [f64; N], spin: f64) -> BearingForce<N>;
+
+    /// Coefficients for vibrations at rest, with the force, at a spin of what turns the bearing, rad/s.
+    fn vibration(&self, u: [f64; N], spin: f64) -> BearingForce<N> {
+        self.mean(u, spin)
+    }
 
     /// Elastic energy, J, at an angle of the cage, rad.
     fn energy(&self, u: [f64; N], angle: f64) -> f64;
@@ -79,7 +86,7 @@ impl Law<2> for Film {
     }
 
     fn mean(&self, u: Vector, spin: f64) -> BearingForce {
-        self.at(u, [0.0; 2], spin)
+        self.at_rest(u, spin)
     }
 
     /// A film stores no energy.
@@ -93,6 +100,34 @@ impl Law<2> for Film {
 
     fn carrying(&self, force: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
         self.carrying(force, spin)
+    }
+}
+
+impl Law<2> for TiltingPads {
+    /// Runs refuse these pads; the force is that at rest.
+    #[inline]
+    fn at<const DERIVATIVES: bool>(&self, u: Vector, _: Vector, phase: &ShaftPhase) -> BearingForce {
+        self.at(u, phase.spin, 0.0)
+    }
+
+    fn mean(&self, u: Vector, spin: f64) -> BearingForce {
+        self.at(u, spin, 0.0)
+    }
+
+    fn vibration(&self, u: Vector, spin: f64) -> BearingForce {
+        self.at(u, spin, spin)
+    }
+
+    fn energy(&self, _: Vector, _: f64) -> f64 {
+        0.0
+    }
+
+    fn elastic_force(&self, _: Vector, _: f64) -> Vector {
+        [0.0; 2]
+    }
+
+    fn carrying(&self, force: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
+        self.carrying(force, spin, 0.0)
     }
 }
 
@@ -147,6 +182,7 @@ macro_rules! with_law {
     ($bearing:expr, $law:ident => $value:expr) => {
         match &$bearing.law {
             BearingLaw::Film($law) => $value,
+            BearingLaw::Tilting($law) => $value,
             BearingLaw::Rolling($law) => $value,
             BearingLaw::Ring($law) => $value,
         }
@@ -159,11 +195,20 @@ impl BearingLaw {
     fn mean_speed(&self, [shaft, base]: [f64; 2]) -> f64 {
         let of_cage = |ratio: f64| ratio * shaft + (1.0 - ratio) * base;
         match self {
-            Self::Film(_) => shaft + base,
+            Self::Film(_) | Self::Tilting(_) => shaft + base,
             Self::Rolling(elements) => of_cage(elements.cage_ratio),
             Self::Ring(ring) => of_cage(ring.cage_ratio),
         }
     }
+}
+
+/// The tilt of a pad as a coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct Tilt {
+    /// Index of the coordinate.
+    pub index: usize,
+    /// Displacement of the centre of the pad per unit of the coordinate.
+    pub scale: f64,
 }
 
 /// A bearing with a nonlinear force.
@@ -183,6 +228,8 @@ pub struct NonlinearBearing {
     pub law: BearingLaw,
     /// Stiffness with which a search of the equilibrium starts, N/m.
     pub initial_stiffness: f64,
+    /// The tilt of a tilting pad.
+    pub tilt: Option<Tilt>,
     /// The coefficients in the matrices; none in a model without a speed.
     pub point: Option<OperatingPoint>,
 }
@@ -191,21 +238,36 @@ impl NonlinearBearing {
     /// A bearing with these scalars, without coefficients in the matrices, from the speed ratios of its shaft and of what it
     /// stands on.
     pub fn new(number: usize, rows: Vec<Row>, turning: usize, ratios: [f64; 2], law: BearingLaw) -> Self {
-        Self { number, rows, ratio: law.mean_speed(ratios), turning, law, initial_stiffness: 0.0, point: None }
+        Self {
+            number,
+            rows,
+            ratio: law.mean_speed(ratios),
+            turning,
+            law,
+            initial_stiffness: 0.0,
+            tilt: None,
+            point: None,
+        }
     }
 
-    /// Its film, if it has one.
-    pub fn film(&self) -> Option<&Film> {
+    /// Whether a shaft turns in its oil film.
+    pub fn is_journal(&self) -> bool {
         match &self.law {
-            BearingLaw::Film(film) => Some(film),
-            BearingLaw::Rolling(_) | BearingLaw::Ring(_) => None,
+            BearingLaw::Film(film) => !film.is_squeeze(),
+            BearingLaw::Tilting(_) => true,
+            BearingLaw::Rolling(_) | BearingLaw::Ring(_) => false,
         }
+    }
+
+    /// Whether it is a squeeze film below a support.
+    pub fn is_squeeze(&self) -> bool {
+        matches!(&self.law, BearingLaw::Film(film) if film.is_squeeze())
     }
 
     /// Orthonormal combinations of its scalars on which the force depends; those without a force may be missing.
     fn combinations(&self) -> Vec<Combination> {
         match &self.law {
-            BearingLaw::Film(_) | BearingLaw::Rolling(_) => identity(2),
+            BearingLaw::Film(_) | BearingLaw::Tilting(_) | BearingLaw::Rolling(_) => identity(2),
             BearingLaw::Ring(ring) => ring.roller_directions().unwrap_or_else(|| identity(5)),
         }
     }
@@ -213,7 +275,7 @@ impl NonlinearBearing {
     /// Number of its rolling elements, if it has some.
     pub fn elements(&self) -> Option<usize> {
         match &self.law {
-            BearingLaw::Film(_) => None,
+            BearingLaw::Film(_) | BearingLaw::Tilting(_) => None,
             BearingLaw::Rolling(elements) => Some(elements.count()),
             BearingLaw::Ring(ring) => Some(ring.count()),
         }
@@ -222,7 +284,7 @@ impl NonlinearBearing {
     /// Number of loaded rolling elements at displacements q and an angle of the cage, and the largest contact force, N.
     pub fn loaded_elements(&self, q: &[f64], cage: f64) -> [f64; 2] {
         match &self.law {
-            BearingLaw::Film(_) => [0.0; 2],
+            BearingLaw::Film(_) | BearingLaw::Tilting(_) => [0.0; 2],
             BearingLaw::Rolling(elements) => elements.loaded(self.scalars(q), cage),
             BearingLaw::Ring(ring) => ring.loaded(self.scalars(q), cage),
         }
@@ -240,17 +302,34 @@ impl NonlinearBearing {
 
     /// Whether it has no force at a speed of the reference shaft, rad/s, because its shaft stands still.
     pub fn stands(&self, speed: f64) -> bool {
-        self.film().is_some() && (self.ratio * speed).abs() < STANDSTILL_SPIN
+        self.is_journal() && (self.ratio * speed).abs() < STANDSTILL_SPIN
     }
 
     /// Sets the stiffness with which a search of the equilibrium starts: the bearing carries a weight, N, at a displacement
     /// of a third of the clearance of a film, or at gap and deflection of rolling elements.
     pub fn set_initial_stiffness(&mut self, weight: f64) {
         self.initial_stiffness = match &self.law {
+            BearingLaw::Film(film) if film.is_squeeze() => 0.0,
             BearingLaw::Film(film) => 3.0 * weight / film.clearance(),
+            BearingLaw::Tilting(pads) => 3.0 * weight / pads.clearance(),
             BearingLaw::Rolling(elements) => elements.secant_stiffness(weight),
             BearingLaw::Ring(ring) => ring.secant_stiffness(weight),
         };
+    }
+
+    /// Coordinate and value of the tilt of a pad with which a search of the equilibrium starts at a speed of the reference shaft,
+    /// rad/s: its film narrows in the direction of rotation. None for another bearing.
+    pub fn initial_tilt(&self, speed: f64) -> Option<(usize, f64)> {
+        let (BearingLaw::Film(film), Some(tilt)) = (&self.law, self.tilt) else { return None };
+        Some((tilt.index, -film.start_wedge(self.ratio * speed) / tilt.scale))
+    }
+
+    /// Whether the film of a tilting pad narrows in the direction of rotation at displacements q and a speed of the reference
+    /// shaft, rad/s, so that it carries; true for another bearing.
+    pub fn is_wedged(&self, q: &[f64], speed: f64) -> bool {
+        let BearingLaw::Film(film) = &self.law else { return true };
+        let [y, z] = self.scalars(q);
+        film.pivot().is_none_or(|[a, b]| (a * z - b * y) * self.ratio * speed > 0.0)
     }
 
     /// The scalars for displacements, or their rates for velocities.
@@ -274,7 +353,7 @@ impl NonlinearBearing {
 
     /// Coefficients at displacements q of an equilibrium at a speed of the reference shaft, rad/s.
     pub fn point_at(&self, speed: f64, q: &[f64]) -> OperatingPoint {
-        with_law!(self, law => Self::point_of(speed, &Law::mean(law, self.scalars(q), self.ratio * speed)))
+        with_law!(self, law => Self::point_of(speed, &law.vibration(self.scalars(q), self.ratio * speed)))
     }
 
     fn point_of<const N: usize>(speed: f64, found: &BearingForce<N>) -> OperatingPoint {
@@ -300,10 +379,19 @@ impl NonlinearBearing {
         })
     }
 
-    /// Eccentricity ratio ε of a journal at displacements q; none for rolling elements.
+    /// Part of the clearance that a journal at displacements q has used at the nearest pad; none for rolling elements.
     #[inline]
-    pub fn eccentricity_ratio(&self, q: &[f64]) -> Option<f64> {
-        self.film().map(|film| film.eccentricity_ratio(self.scalars(q)))
+    pub fn nearness(&self, q: &[f64]) -> Option<f64> {
+        self.nearness_at(self.scalars(q))
+    }
+
+    #[inline]
+    fn nearness_at(&self, u: Vector) -> Option<f64> {
+        match &self.law {
+            BearingLaw::Film(film) => Some(film.nearness(u)),
+            BearingLaw::Tilting(pads) => Some(pads.nearness(u)),
+            BearingLaw::Rolling(_) | BearingLaw::Ring(_) => None,
+        }
     }
 
     /// Force and, with `DERIVATIVES`, derivatives beyond those of the matrices.
@@ -390,11 +478,10 @@ impl NonlinearBearing {
     /// Refuses a displacement at which a journal touches the bearing.
     #[inline]
     fn check(&self, u: &[f64]) -> Result<(), Touch> {
-        let Some(film) = self.film() else {
+        let Some(nearness) = self.nearness_at([u[0], u[1]]) else {
             return Ok(());
         };
-        let eccentricity_ratio = film.eccentricity_ratio([u[0], u[1]]);
-        if eccentricity_ratio < 1.0 { Ok(()) } else { Err(Touch { bearing: self.number, eccentricity_ratio }) }
+        if nearness < 1.0 { Ok(()) } else { Err(Touch { bearing: self.number, nearness }) }
     }
 
     /// Mean force over the scalars beyond that of the matrices, N, and its derivative, N/m, at the displacements q of a

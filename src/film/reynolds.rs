@@ -12,11 +12,14 @@
 //! where β is the direction of w. This linear complementarity problem is solved by the primal-dual active-set method
 //! (Hintermüller, Ito and Kunisch, SIAM J. Optim. 13, 2003): the wet nodes of one iteration satisfy the equation; nodes with
 //! negative pressure become dry, dry nodes at which the equation would raise the pressure become wet.
-//! In a groove the pressure is zero. Without a groove, the pressure is zero opposite to w, where the film is stretched most.
+//! With Gümbel's condition all nodes satisfy the equation, and negative pressures count as zero.
+//! At the ends of a pad the pressure is zero; in a full film it is zero opposite to w, where the film is stretched most.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
+use super::table::PadShape;
 use super::{Vector, direction};
+use crate::scene::Rupture;
 
 /// Number of intervals over half the length, even for Simpson's rule.
 const AXIAL_INTERVALS: usize = 8;
@@ -31,15 +34,14 @@ const MAX_ITERATIONS: usize = 100;
 /// Number of points at which the node density is integrated, for each interval.
 const DENSITY_POINTS: usize = 4;
 
-/// A solver for one bearing. It keeps the wet nodes of the last solution as the start of the next one.
+/// A solver for one pad, with its middle at the angle 0. It keeps the wet nodes of the last solution as the start of the next one.
 #[derive(Clone, Debug)]
 pub struct Reynolds {
+    shape: PadShape,
     /// λ² = (D/L)².
     slenderness: f64,
-    /// Begin and end of each pad between two grooves, rad; empty for a full film.
-    pads: Vec<[f64; 2]>,
-    /// Wet nodes of each pad.
-    wet: Vec<Vec<bool>>,
+    /// Wet nodes.
+    wet: Vec<bool>,
     /// Scratch.
     grid: Grid,
 }
@@ -60,29 +62,25 @@ struct Grid {
 }
 
 impl Reynolds {
-    /// The solver for a ratio L/D and grooves (angle of the middle, extent), rad.
-    pub fn new(length_ratio: f64, grooves: &[[f64; 2]]) -> Self {
-        let mut edges: Vec<[f64; 2]> =
-            grooves.iter().map(|[middle, extent]| [(middle - extent / 2.0).rem_euclid(TAU), *extent]).collect();
-        edges.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let next = |i: usize| if i + 1 < edges.len() { edges[i + 1][0] } else { edges[0][0] + TAU };
-        let pads: Vec<[f64; 2]> = (0..edges.len()).map(|i| [edges[i][0] + edges[i][1], next(i)]).collect();
-        let wet = vec![Vec::new(); pads.len().max(1)];
-        Self { slenderness: length_ratio.powi(-2), pads, wet, grid: Grid::default() }
+    /// The solver for a pad.
+    pub fn new(shape: &PadShape) -> Self {
+        let slenderness = shape.length_ratio.powi(-2);
+        Self { shape: *shape, slenderness, wet: Vec::new(), grid: Grid::default() }
     }
 
-    /// f at the displacement u in clearances, |u| < 1, for a velocity in the direction `beta`, rad.
+    /// The pad.
+    pub fn shape(&self) -> &PadShape {
+        &self.shape
+    }
+
+    /// f at the displacement u in clearances, at which the journal does not touch the pad, for a velocity in the direction
+    /// `beta`, rad.
     pub fn force(&mut self, u: Vector, beta: f64) -> Vector {
-        let full = [[beta - PI, beta + PI]];
-        let pads = if self.pads.is_empty() { &full[..] } else { &self.pads };
-        let mut sum = [0.0; 2];
-        for (pad, wet) in pads.iter().zip(&mut self.wet) {
-            self.grid.place(*pad, u);
-            self.grid.solve(self.slenderness, beta, wet);
-            let own = self.grid.integral();
-            sum = [sum[0] + own[0], sum[1] + own[1]];
-        }
-        sum.map(|value| 3.0 * self.slenderness * value)
+        let middle = if self.shape.is_full() { beta } else { 0.0 };
+        let half = self.shape.extent / 2.0;
+        self.grid.place([middle - half, middle + half], u);
+        self.grid.solve(self.slenderness, beta, self.shape.rupture, &mut self.wet);
+        self.grid.integral().map(|value| 3.0 * self.slenderness * value)
     }
 }
 
@@ -140,8 +138,15 @@ impl Grid {
 
     /// Finds the pressure that is positive at the wet nodes and zero at all others (Reynolds' condition). The search begins
     /// with the wet nodes of an earlier solution.
-    fn solve(&mut self, slenderness: f64, beta: f64, wet: &mut Vec<bool>) {
+    fn solve(&mut self, slenderness: f64, beta: f64, rupture: Rupture, wet: &mut Vec<bool>) {
         let count = self.rows() * AXIAL_INTERVALS;
+        if rupture == Rupture::Gumbel {
+            wet.clear();
+            wet.resize(count, true);
+            self.solve_wet(slenderness, beta, wet);
+            self.pressure.iter_mut().for_each(|pressure| *pressure = pressure.max(0.0));
+            return;
+        }
         if wet.len() != count {
             wet.clear();
             wet.extend((0..count).map(|at| self.source(at / AXIAL_INTERVALS, 0, beta) > 0.0));

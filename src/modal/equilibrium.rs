@@ -12,7 +12,7 @@ mod clearance;
 mod forces;
 mod refusals;
 
-use self::clearance::{TangentPart, check_journals, regularisation, within_clearances};
+use self::clearance::{TangentPart, check_journals, check_tilts, regularisation, within_clearances};
 use self::forces::{AtRest, Contacts, Forces, Laws, elastic_tangent, tangent_towards};
 use self::refusals::{check_balance, check_constraints, unconverged};
 use crate::connection::BearingTangent;
@@ -242,10 +242,14 @@ impl<'m> Search<'m> {
     /// forces in another direction than the opposite one, under which there may be no equilibrium.
     fn start(&self) -> Result<(DVector<f64>, Vec<Flank>), EquilibriumError> {
         let model = &*self.at_rest.model;
-        let zero = DVector::zeros(model.len());
+        let mut zero = DVector::zeros(model.len());
+        let tilts = model.nonlinear_bearings.iter().filter_map(|b| b.initial_tilt(self.at_rest.speeds.film));
+        tilts.for_each(|(index, value)| zero[index] = value);
         let mut flanks = vec![Flank::Drive; model.meshes.len()];
         let bearings = &model.nonlinear_bearings;
-        if bearings.is_empty() && model.meshes.iter().all(|mesh| mesh.backlash.is_none()) {
+        // Linear tangents know one equilibrium of a pad; its film has another one, in which it carries nothing.
+        let has_pads = bearings.iter().any(|bearing| bearing.tilt.is_some());
+        if has_pads || bearings.is_empty() && model.meshes.iter().all(|mesh| mesh.backlash.is_none()) {
             return Ok((zero, flanks));
         }
         let mut tangents: Vec<BearingTangent> = bearings.iter().map(elastic_tangent).collect();
@@ -345,6 +349,7 @@ impl<'m> Search<'m> {
                 if is_final {
                     check_constraints(&point.carried, load)?;
                     check_journals(model, &point.q, EQUALITY_TOLERANCE..MAX_ECCENTRICITY_RATIO)?;
+                    check_tilts(model, &point.q, self.at_rest.speeds.film)?;
                     return Ok((point.q, flanks));
                 }
                 continue;

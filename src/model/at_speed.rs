@@ -5,19 +5,24 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::link::{Link, axial_bearing_row, links, slope_rows};
 use super::{Model, Numbering, Support, bearing_rows};
 use crate::connection::{
-    AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing,
+    AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing, Tilt,
 };
-use crate::film::Film;
+use crate::film::{Film, TiltingPads};
 use crate::numerics::ROUND_OFF;
 use crate::rolling::{Ring, RollingElements};
 use crate::scene::{
-    Bearing, BearingCoefficient, EntryPath, LoadLaw, Matrix2, Node, Nonlinear, STANDARD_GRAVITY, Scene, SceneError,
+    Attachment, Bearing, BearingCoefficient, EntryPath, Journal, LoadLaw, Matrix2, Node, Nonlinear, STANDARD_GRAVITY,
+    Scene, SceneError,
 };
 
-/// Bearings with constant coefficients on the ground, and bearings that depend on the speed.
-pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
+/// Bearings with constant coefficients on the ground, and bearings that depend on the speed,
+/// that follow the `nonlinear` ones.
+pub(super) fn bearings(
+    scene: &Scene,
+    numbering: &Numbering,
+    nonlinear: usize,
+) -> (Vec<Support>, Vec<SpeedDependentBearing>) {
     let (mut supports, mut bearings) = (Vec::new(), Vec::new());
-    let nonlinear = scene.bearings.iter().filter(|bearing| bearing.nonlinear.is_some()).count();
     for (number, bearing) in scene.bearings.iter().enumerate() {
         let rows = bearing_rows(scene, numbering, bearing).filter(|_| bearing.has_constant_part());
         let (Some(index), Some(rows)) = (numbering.translation(bearing.node), rows) else {
@@ -41,8 +46,13 @@ pub(super) fn bearings(scene: &Scene, numbering: &Numbering) -> (Vec<Support>, V
 
 /// Nonlinear bearings, without coefficients in the matrices.
 pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<NonlinearBearing> {
+    let direction = |bearing: &Bearing| scene.bearing_speed_ratios(bearing).iter().sum::<f64>();
     let law = |bearing: &Bearing| match bearing.nonlinear.as_ref()? {
-        Nonlinear::Journal(journal) => Some(BearingLaw::Film(Film::new(journal))),
+        Nonlinear::Journal(journal) => {
+            let direction = direction(bearing);
+            let reduced = TiltingPads::new(journal, direction).map(BearingLaw::Tilting);
+            Some(reduced.unwrap_or_else(|| BearingLaw::Film(Film::new(journal, direction))))
+        }
         Nonlinear::Rolling(rolling) if bearing.ring().is_some() => Some(BearingLaw::Ring(Ring::new(rolling))),
         Nonlinear::Rolling(rolling) => {
             let damping = bearing.damping.constant().unwrap_or_default();
@@ -51,7 +61,19 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
     };
     let mut found = Vec::new();
     for (number, bearing) in scene.bearings.iter().enumerate() {
-        if let Some((law, rows)) = law(bearing).zip(bearing_rows(scene, numbering, bearing)) {
+        if let Some((pads, rows)) = pad_modes(scene, numbering, bearing).zip(bearing_rows(scene, numbering, bearing)) {
+            for (film, motions) in pads.films(direction(bearing)) {
+                let (turning, ratios) = (scene.shafts.len() + found.len(), scene.bearing_speed_ratios(bearing));
+                let row = |axis: usize| {
+                    let own = motions.iter().map(|(index, way)| (*index, -way[axis]));
+                    rows[axis].iter().copied().chain(own).collect()
+                };
+                let rows = vec![row(0), row(1)];
+                let pad = NonlinearBearing::new(number, rows, turning, ratios, BearingLaw::Film(film));
+                let tilt = motions.first().map(|(index, way)| Tilt { index: *index, scale: way[0].hypot(way[1]) });
+                found.push(NonlinearBearing { tilt, ..pad });
+            }
+        } else if let Some((law, rows)) = law(bearing).zip(bearing_rows(scene, numbering, bearing)) {
             let mut rows = Vec::from(rows);
             if let BearingLaw::Ring(ring) = &law {
                 rows.push(axial_bearing_row(scene, numbering, bearing));
@@ -62,7 +84,53 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
             found.push(NonlinearBearing::new(number, rows, turning, ratios, law));
         }
     }
+    for (index, housing) in scene.housings.iter().enumerate() {
+        let node = Node { shaft: scene.shafts.len() + index, node: 0 };
+        let stands = |bearing: &Bearing| matches!(bearing.attachment, Some(Attachment::Housing { housing, .. }) if housing == index);
+        let (Some(squeeze), Some(first), Some(number)) =
+            (&housing.squeeze, numbering.translation(node), scene.bearings.iter().position(stands))
+        else {
+            continue;
+        };
+        let (rows, turning) = (vec![vec![(first, 1.0)], vec![(first + 1, 1.0)]], scene.shafts.len() + found.len());
+        let law = BearingLaw::Film(Film::of_squeeze(squeeze));
+        found.push(NonlinearBearing::new(number, rows, turning, [0.0; 2], law));
+    }
     found
+}
+
+/// Tilting pads whose motions are coordinates.
+struct PadModes<'a> {
+    journal: &'a Journal,
+    /// Index of the first coordinate: the tilts of all pads, then their motions along flexible pivots.
+    start: usize,
+}
+
+/// The tilting pads of a bearing whose motions are coordinates; none for another bearing.
+fn pad_modes<'a>(scene: &'a Scene, numbering: &Numbering, bearing: &'a Bearing) -> Option<PadModes<'a>> {
+    let (Some(Nonlinear::Journal(journal)), Some(pads)) = (&bearing.nonlinear, bearing.pads) else { return None };
+    let modes = numbering.modes(Node { shaft: scene.shafts.len() + pads, node: 0 })?;
+    Some(PadModes { journal, start: modes.start })
+}
+
+impl PadModes<'_> {
+    /// The film of each pad for a direction of rotation, and the displacement over (y, z) of the pad per unit of its coordinates,
+    /// which have unit mass.
+    fn films(&self, direction: f64) -> impl Iterator<Item = (Film, Vec<(usize, [f64; 2])>)> + '_ {
+        let count = self.journal.pads.len();
+        self.journal.pads.iter().enumerate().filter_map(move |(index, pad)| {
+            let tilting = self.journal.tilting?;
+            let (sin, cos) = pad.closest(1.0).sin_cos();
+            let across = tilting.tilt_mass(self.journal).sqrt().recip();
+            let mut motions = vec![(self.start + index, [-sin * across, cos * across])];
+            if let Some([mass, _]) = tilting.spring {
+                let along = mass.sqrt().recip();
+                motions.push((self.start + count + index, [cos * along, sin * along]));
+            }
+            let pad = self.journal.tilting_pad(pad, direction);
+            Some((Film::of_pad(self.journal, &pad, direction), motions))
+        })
+    }
 }
 
 /// A spring over one scalar.
@@ -142,7 +210,7 @@ impl Model {
             let link = |rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2| {
                 let link = Link::new(format!("bearings[{}]", bearing.number), rows, stiffness, damping);
                 let local = Support { is_operating_point: true, ..link.local };
-                Link { bearing: Some(given.node), local, ..link }
+                Link { bearing: (!bearing.is_squeeze()).then_some(given.node), local, ..link }
             };
             if bearing.rows.len() > 2 {
                 let springs = principal_springs(bearing, point).into_iter();
@@ -153,11 +221,11 @@ impl Model {
             }
             let stiffness = [0, 1].map(|i| [0, 1].map(|j| point.stiffness[i][j]));
             match given.attachment {
-                None => {
+                None if given.pads.is_none() => {
                     let support = Support::new(bearing.rows[0][0].0, stiffness, point.damping);
                     self.supports.push(Support { is_operating_point: true, ..support });
                 }
-                Some(_) => self.links.push(link(bearing.rows.clone(), stiffness, point.damping)),
+                _ => self.links.push(link(bearing.rows.clone(), stiffness, point.damping)),
             }
         }
     }
@@ -206,7 +274,10 @@ impl Model {
 
     /// The nonlinear bearings at a node.
     pub fn nonlinear_bearings_at(&self, node: Node) -> impl Iterator<Item = &NonlinearBearing> {
-        self.nonlinear_bearings.iter().filter(move |bearing| self.scene.bearings[bearing.number].node == node)
+        let is_there = move |bearing: &&NonlinearBearing| {
+            self.scene.bearings[bearing.number].node == node && !bearing.is_squeeze()
+        };
+        self.nonlinear_bearings.iter().filter(is_there)
     }
 
     /// Ratio of a speed to that of the reference shaft: the speed of a shaft or, after the shafts, the mean speed of a nonlinear
@@ -308,7 +379,7 @@ impl Model {
             let given = &mut model.scene.bearings[bearing.number];
             [given.stiffness, given.damping] = of(bearing);
         }
-        (model.supports, model.bearings) = bearings(&model.scene, &model.numbering);
+        (model.supports, model.bearings) = bearings(&model.scene, &model.numbering, self.nonlinear_bearings.len());
         model.links = links(&model.scene, &model.numbering);
         model.add_operating_points();
         model

@@ -196,8 +196,8 @@ impl Model {
         let shafts = (0..scene.shafts.len())
             .map(|index| ShaftModel::new(&scene, &numbering, index))
             .collect::<Result<Vec<_>, _>>()?;
-        let (supports, bearings) = at_speed::bearings(&scene, &numbering);
         let nonlinear_bearings = at_speed::nonlinear_bearings(&scene, &numbering);
+        let (supports, bearings) = at_speed::bearings(&scene, &numbering, nonlinear_bearings.len());
         let meshes: Vec<_> = scene
             .meshes
             .iter()

@@ -8,10 +8,10 @@ use super::convert::table;
 use super::errors::caught;
 use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
-use crate::film::Film;
+use crate::film::{Film, TiltingPads};
 use crate::rolling::{Ring, RollingElements};
-use crate::scene::description::BearingCoefficient;
-use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError, outside_frequencies};
+use crate::scene::description::{BearingCoefficient, Support};
+use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError, Squeeze, outside_frequencies};
 
 /// Gives the coefficient of a table at a frequency, rad/s, in plain form: a table over the speed, or a matrix.
 #[pyfunction]
@@ -31,13 +31,15 @@ pub fn table_at_frequency<'py>(
 }
 
 /// Computes displacement (2,), stiffness and damping (2, 2) of a journal bearing under a static load over (y, z), N, at a
-/// spin, rad/s.
+/// spin, rad/s; tilting pads are eliminated at a frequency, rad/s, by default that of the rotation.
 #[pyfunction]
+#[pyo3(signature = (bearing, load, speed, frequency=None))]
 pub fn film_coefficients<'py>(
     py: Python<'py>,
     bearing: &Bound<'_, PyAny>,
     load: [f64; 2],
     speed: f64,
+    frequency: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let given = SceneDescription::bearing_from_objects(&mut Depythonizer::from_object(bearing))?;
     let (Nonlinear::Journal(journal), _) = scene::bearing(&given)? else {
@@ -59,10 +61,32 @@ pub fn film_coefficients<'py>(
         );
         return Err(speed_at.error(message).into());
     }
-    let (displacement, film) = py
-        .detach(|| caught(|| Film::new(&journal).carrying(load, speed)))?
-        .map_err(|cause| uncarried(cause, load, Some(speed)))?;
+    let frequency =
+        frequency.map(|value| EntryPath::root("frequency").non_negative(value)).transpose()?.unwrap_or(speed);
+    let carried = || match TiltingPads::new(&journal, speed) {
+        Some(pads) => pads.carrying(load, speed, frequency),
+        None => Film::new(&journal, speed).carrying(load, speed),
+    };
+    let (displacement, film) = py.detach(|| caught(carried))?.map_err(|cause| uncarried(cause, load, Some(speed)))?;
     coefficients(py, displacement, &film)
+}
+
+/// Computes the force over (y, z), N, of a ring on its squeeze film at a displacement, m, and a velocity, m/s.
+#[pyfunction]
+pub fn squeeze_force(
+    py: Python<'_>,
+    support: &Bound<'_, PyAny>,
+    displacement: [f64; 2],
+    velocity: [f64; 2],
+) -> PyResult<[f64; 2]> {
+    let given: Support = pythonize::depythonize(support)?;
+    let at = EntryPath::root("support");
+    let film = Squeeze::new(&given, &at)?.ok_or_else(|| at.error("is no squeeze film"))?;
+    let film = Film::of_squeeze(&film);
+    if displacement.iter().chain(&velocity).any(|value| !value.is_finite()) || film.nearness(displacement) >= 1.0 {
+        return Err(SceneError::new("eccentricity_ratio", "must be finite and below 1").into());
+    }
+    py.detach(|| caught(|| film.at(displacement, velocity, 0.0).force))
 }
 
 /// Computes displacement (2,), stiffness and damping (2, 2) of a rolling bearing under a static load over (y, z), N, at an

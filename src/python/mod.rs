@@ -40,6 +40,8 @@ mod _core {
     #[pymodule_export]
     use super::bearing::rolling_coefficients;
     #[pymodule_export]
+    use super::bearing::squeeze_force;
+    #[pymodule_export]
     use super::bearing::{ring_coefficients, rolling_estimate, table_at_frequency};
     #[pymodule_export]
     use super::convert::connection_channels;

@@ -19,6 +19,8 @@ pub struct Bearing {
     pub damping: BearingCoefficient,
     /// The law of a bearing with a nonlinear force, from which its stiffness follows; none for a linear bearing.
     pub nonlinear: Option<Nonlinear>,
+    /// Index of the housing that stands for its tilting pads, whose motions are coordinates.
+    pub pads: Option<usize>,
     /// Stiffness, N/m, and damping, N s/m, along the axis.
     pub axial: [f64; 2],
     /// Stiffness, N m/rad, and damping, N m s/rad, of rotations about y and z.
@@ -67,6 +69,7 @@ pub(super) fn bearings(
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
             nonlinear: nonlinear::nonlinear(bearing, &at)?,
+            pads: None,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
             axial: coefficients(

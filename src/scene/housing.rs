@@ -2,11 +2,13 @@
 //!
 //! A support is a housing that does not rotate. The arms of the bearings follow from the positions of the shafts at rest.
 
+use std::collections::BTreeMap;
+
 use super::description::{self, Base, ElasticBody, SceneDescription};
 use super::place::{Names, own_supports};
 use super::speed_table::checked;
 use super::train::Train;
-use super::{EntryPath, Matrix2, Node, SceneError, Shaft, nearest};
+use super::{EntryPath, Journal, Matrix2, Node, SceneError, Shaft, Squeeze, nearest};
 
 /// Largest distance of the two places of a bearing between shafts, over the radius of the shaft on which it stands: rounded
 /// centre distances leave one.
@@ -35,6 +37,8 @@ pub struct Housing {
     pub rotational_damping: [f64; 3],
     /// Loss factor η of the stiffness.
     pub loss_factor: f64,
+    /// The squeeze film between it and the ground.
+    pub squeeze: Option<Squeeze>,
     /// Names of the points whose motion can be recorded, with their distance (x, y, z) from the centre of mass, m.
     pub points: Vec<(String, [f64; 3])>,
     /// The modes of an elastic housing, in place of mass, stiffness and points; `None` for a rigid one.
@@ -303,8 +307,48 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
         rotational_stiffness: [0.0; 3],
         rotational_damping: [0.0; 3],
         loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
+        squeeze: Squeeze::new(given, at)?,
         points: Vec::new(),
         elastic: None,
+    })
+}
+
+/// The tilting pads of a bearing as a body of which each mode is the motion of one pad.
+pub(super) fn pads(name: String, journal: &Journal) -> Option<Housing> {
+    let tilting = journal.tilting.as_ref()?;
+    let count = journal.pads.len();
+    let mut body = ElasticBody {
+        frequencies: vec![0.0; count],
+        damping_ratios: Vec::new(),
+        interfaces: BTreeMap::new(),
+        translation: None,
+    };
+    let mut along = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
+    if let Some([mass, stiffness]) = tilting.spring {
+        body.frequencies.extend(vec![(stiffness / mass).sqrt(); count]);
+        for pad in &journal.pads {
+            let (sin, cos) = pad.closest(1.0).sin_cos();
+            for (row, part) in along.iter_mut().zip([0.0, cos, sin]) {
+                row.push(mass.sqrt() * part);
+            }
+        }
+    }
+    body.damping_ratios = vec![0.0; body.frequencies.len()];
+    body.translation = Some(along);
+    Some(Housing {
+        name,
+        mass: 0.0,
+        inertia: None,
+        centre: [0.0; 3],
+        stiffness: [[0.0; 2]; 2],
+        damping: [[0.0; 2]; 2],
+        axial: None,
+        rotational_stiffness: [0.0; 3],
+        rotational_damping: [0.0; 3],
+        loss_factor: 0.0,
+        squeeze: None,
+        points: Vec::new(),
+        elastic: Some(body),
     })
 }
 
@@ -344,6 +388,7 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         rotational_stiffness: given.rotational_stiffness.unwrap_or_default(),
         rotational_damping: given.rotational_damping.unwrap_or_default(),
         loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
+        squeeze: None,
         points: given.points.iter().map(point).collect::<Result<_, _>>()?,
         elastic: given.elastic.as_ref().map(|elastic| checked_body(elastic, &at.field("elastic"))).transpose()?,
     })

@@ -52,13 +52,14 @@ pub use bow::{Bow, BowCurve};
 pub(crate) use catalogue::estimate;
 pub(crate) use contact::path_of_contact;
 pub use curve::Curve;
+pub use description::Rupture;
 pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};
 pub use error::SceneError;
 pub use friction::{Friction, FrictionLaw};
 pub use gear::Gear;
 pub use hertz::{LINE_CONTACT, POINT_CONTACT};
 pub use housing::{Attachment, Housing, HousingPoint};
-pub use journal::{FilmKind, Journal};
+pub use journal::{FilmKind, Journal, Pad, Squeeze};
 pub use loads::{Coupling, Drive, Force, LoadLaw, SpringDamper, VaryingLoad};
 pub use material::Material;
 pub use mesh::{Damping, Mesh};
@@ -205,12 +206,41 @@ impl Scene {
             axial: false,
             warnings,
         };
+        scene.add_tilting_pads();
         (scene.lateral, scene.torsion) = scene.required_motion(system.motion)?;
         scene.axial = scene.has_axial_motion(system.motion);
         let implausible = plausibility::check(system, &scene)?;
         scene.warnings.extend(implausible);
         scene.limit_stiffness();
         Ok(scene)
+    }
+
+    /// Adds the tilting pads whose motions are coordinates to the housings.
+    fn add_tilting_pads(&mut self) {
+        for (index, bearing) in self.bearings.iter_mut().enumerate() {
+            let Some(Nonlinear::Journal(journal)) = &bearing.nonlinear else { continue };
+            if !journal.is_reduced()
+                && let Some(pads) = housing::pads(format!("bearings[{index}].pads"), journal)
+            {
+                bearing.pads = Some(self.housings.len());
+                self.housings.push(pads);
+            }
+        }
+    }
+
+    /// Refuses reduced coefficients of tilting pads, which have no meaning for a motion in time.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the first bearing that has them.
+    pub fn refuse_reduced_pads(&self) -> Result<(), SceneError> {
+        let is_reduced =
+            |bearing: &Bearing| matches!(&bearing.nonlinear, Some(Nonlinear::Journal(journal)) if journal.is_reduced());
+        match self.bearings.iter().position(is_reduced) {
+            Some(index) => Err(EntryPath::entry("bearings", index).field("reduced").error(
+                "coefficients for one frequency are for linear analyses; leave it out for runs, in which the tilts of the pads are coordinates",
+            )),
+            None => Ok(()),
+        }
     }
 
     /// Refuses loss factors, which have no meaning for a motion in time.

@@ -13,9 +13,9 @@ from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
 from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
-from gearbow.description.journal import JournalBearing
+from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.load_rating import load_for_hours, rating_of, ring_ratios
-from gearbow.description.loads import Bearing
+from gearbow.description.loads import AnyBearing, Bearing
 from gearbow.description.places import (
     Places,
     Support,
@@ -23,7 +23,7 @@ from gearbow.description.places import (
     place_label,
 )
 from gearbow.description.rolling import RollingBearing
-from gearbow.errors import ChannelError, GearbowError
+from gearbow.errors import ChannelError, GearbowError, SceneError
 from gearbow.results.response import Response
 from gearbow.results.stresses import Strength, equivalent, notch_at, of_tones
 
@@ -45,7 +45,7 @@ _DIFFERENCE = 1e-6
 #: change after the first one.
 _LINEAR_STEPS = 3
 
-_Kind = TypeVar("_Kind", bound=Bearing | JournalBearing | RollingBearing)
+_Kind = TypeVar("_Kind", bound=AnyBearing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -348,7 +348,7 @@ def _bearing_force(motion: BowMotion, limit: BowLimit) -> Check:
 
 def _bearing_life(motion: BowMotion, limit: BowLimit) -> Check:
     signal = motion.bearing_force(limit.at)  # an unknown bearing is an error that lists the known
-    bearing = _bearing(motion, limit, (Bearing, JournalBearing, RollingBearing))
+    bearing = _bearing(motion, limit, (Bearing, JournalBearing, TiltingPadBearing, RollingBearing))
     rating = rating_of(bearing)
     capacity, power = limit.capacity, limit.exponent
     if rating is not None:
@@ -464,7 +464,13 @@ def _clearance(motion: BowMotion, limit: BowLimit) -> Check:
 
 def _film(motion: BowMotion, limit: BowLimit) -> Check:
     motion.static.journal(limit.at)  # an unknown journal bearing is an error that lists the known
-    clearance = _bearing(motion, limit, JournalBearing).clearance
+    bearing = _bearing(motion, limit, JournalBearing)
+    clearance = bearing.clearance
+    if bearing.pads is not None or bearing.profile not in (None, "plain", "two axial grooves"):
+        raise SceneError(
+            f"limits: the thickness of a film is known for a cylindrical bore, and the bearing at "
+            f"{limit.at} has lobes; limit the displacement of its shaft"
+        )
     thickness = float(limit.value)
     signal = motion.displacement(limit.at)
 

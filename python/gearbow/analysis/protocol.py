@@ -10,10 +10,8 @@ from gearbow._core import Model
 from gearbow._types import Array, Dof, Excitation, Geometry, Plain
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.journal import JournalBearing
-from gearbow.description.loads import Bearing, Coupling, Force, Torque
+from gearbow.description.loads import AnyBearing, Coupling, Force, Torque
 from gearbow.description.places import Housing
-from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.errors import SceneWarning
 from gearbow.results.properties import Discretisation
@@ -29,7 +27,7 @@ class System(Protocol):
     shafts: tuple[Shaft, ...]
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
-    bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
+    bearings: tuple[AnyBearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
     housings: tuple[Housing, ...]

@@ -18,8 +18,7 @@ from gearbow._convert import whole
 from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array
 from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.journal import JournalBearing
-from gearbow.description.loads import Bearing, Coupling, Force
+from gearbow.description.loads import AnyBearing, Coupling, Force
 from gearbow.description.places import (
     Housing,
     housing_and_interface,
@@ -46,7 +45,7 @@ class Train(Protocol):
     shafts: tuple[Shaft, ...]
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
-    bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
+    bearings: tuple[AnyBearing, ...]
     disks: tuple[Disk, ...]
     forces: tuple[Force, ...]
 
@@ -444,7 +443,7 @@ def layout(
     gears: Sequence[Gear],
     disks: Sequence[Disk],
     meshes: Sequence[Mesh],
-    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
+    bearings: Sequence[AnyBearing],
     *,
     centre_distances: Sequence[float],
     couplings: Sequence[Coupling] = (),
@@ -484,7 +483,7 @@ def layout(
 
 def _bases(
     shafts: Sequence[ShaftOutline],
-    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
+    bearings: Sequence[AnyBearing],
     housings: Sequence[Housing],
 ) -> Iterator[BaseOutline]:
     """Give the supports and housings; a support is at the middle of its bearings."""
@@ -555,7 +554,7 @@ def _next_origin(
 
 def _coaxial(
     couplings: Sequence[Coupling],
-    bearings: Sequence[Bearing | JournalBearing | RollingBearing],
+    bearings: Sequence[AnyBearing],
     places: dict[str, tuple[str, float]],
 ) -> Iterator[tuple[tuple[str, float], tuple[str, float]]]:
     """Give the places that couplings, and bearings between two shafts, put at one point."""

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from numpy.typing import ArrayLike
 
 from gearbow._convert import complex_number, real
 from gearbow._types import At, Plain, RollingContact
-from gearbow.description.journal import JournalBearing
+from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.part import Part
 from gearbow.description.places import Base, place, with_support
 from gearbow.description.rolling import ROLLING_FIELDS, RollingBearing
@@ -247,9 +247,11 @@ class Bearing(Part):
     @classmethod
     def _from_description(  # type: ignore[override]  # one list holds several classes
         cls, description: Mapping[str, Plain]
-    ) -> "Bearing | JournalBearing | RollingBearing":
+    ) -> "AnyBearing":
         if any(name in description for name in ROLLING_FIELDS):
             return RollingBearing._from_description(description)
+        if "pad_count" in description:
+            return TiltingPadBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)
         given = with_support(description)
@@ -257,6 +259,10 @@ class Bearing(Part):
             if isinstance(given.get(key), Mapping):
                 given[key] = SpeedTable._from_description(given[key])
         return cls(**given)
+
+
+#: A bearing of any class.
+AnyBearing: TypeAlias = Bearing | JournalBearing | TiltingPadBearing | RollingBearing
 
 
 @dataclass(frozen=True)

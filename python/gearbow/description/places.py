@@ -62,6 +62,12 @@ class Support(Part):
     axial_damping: float = 0.0
     loss_factor: float = 0.0
 
+    @classmethod
+    def _from_description(cls, description: Mapping[str, Plain]) -> "Support":
+        """Make a support, or the subclass that has a field which only it has."""
+        own = [kind for kind in cls.__subclasses__() if "viscosity" in description]
+        return (own[0] if own else cls)(**description)
+
 
 #: What a bearing stands on: the name of a support or housing, a support, (shaft, position [m]), or
 #: (elastic housing, interface).

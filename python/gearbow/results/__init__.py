@@ -17,7 +17,7 @@ from importlib import import_module as _import_module
 #: each other's results.
 _NAMES = {
     "gearbow.analysis.balance": ("Balance",),
-    "gearbow.description.journal": ("FilmCoefficients",),
+    "gearbow.description.journal": ("FilmCoefficients", "SqueezeCoefficients"),
     "gearbow.description.layout": ("Order",),
     "gearbow.description.rolling": ("RingCoefficients", "RollingCoefficients", "RollingEstimate"),
     "gearbow.identification.correction": ("Correction", "TrialInfluence"),
@@ -68,7 +68,10 @@ _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 if _typing.TYPE_CHECKING:
     from gearbow.analysis.balance import Balance as Balance
-    from gearbow.description.journal import FilmCoefficients as FilmCoefficients
+    from gearbow.description.journal import (
+        FilmCoefficients as FilmCoefficients,
+        SqueezeCoefficients as SqueezeCoefficients,
+    )
     from gearbow.description.layout import Order as Order
     from gearbow.description.rolling import (
         RingCoefficients as RingCoefficients,

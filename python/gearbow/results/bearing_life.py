@@ -11,7 +11,7 @@ from gearbow._convert import positive
 from gearbow._result import ROUND_OFF, Column, Figured, WithSpeeds
 from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array
-from gearbow.description.journal import JournalBearing
+from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.load_rating import (
     LoadRating,
     RatingSource,
@@ -295,7 +295,7 @@ def life_at(
     rows, notes = [], []
     for part, at in zip(parts, places, strict=True):
         rating = rating_of(part)
-        if isinstance(part, JournalBearing):
+        if isinstance(part, JournalBearing | TiltingPadBearing):
             continue
         label = place_label(at)
         if rating is None:

@@ -15,9 +15,9 @@ from gearbow.accuracy import DEFAULT
 from gearbow.analysis.balance import balance
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.journal import JournalBearing
+from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import assumptions
-from gearbow.description.loads import Bearing, Coupling, Drive, Force, Torque
+from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
 from gearbow.description.rolling import RollingBearing
@@ -63,7 +63,9 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 #: Further classes of a list of parts.
-_OTHERS: dict[str, tuple[type[Part], ...]] = {"bearings": (JournalBearing, RollingBearing)}
+_OTHERS: dict[str, tuple[type[Part], ...]] = {
+    "bearings": (JournalBearing, TiltingPadBearing, RollingBearing)
+}
 
 
 #: Options of a system, and their conversion to plain data.
@@ -205,7 +207,7 @@ class RotorSystem(CheckedKeywords, Shown):
     shafts: tuple[Shaft, ...]
     gears: tuple[Gear, ...]
     meshes: tuple[Mesh, ...]
-    bearings: tuple[Bearing | JournalBearing | RollingBearing, ...]
+    bearings: tuple[AnyBearing, ...]
     torques: tuple[Torque, ...]
     disks: tuple[Disk, ...]
     supports: tuple[Support, ...]
@@ -233,7 +235,7 @@ class RotorSystem(CheckedKeywords, Shown):
         shafts: Sequence[Shaft],
         gears: Sequence[Gear] = (),
         meshes: Sequence[Mesh] = (),
-        bearings: Sequence[Bearing | JournalBearing | RollingBearing] = (),
+        bearings: Sequence[AnyBearing] = (),
         torques: Sequence[Torque] = (),
         *,
         disks: Sequence[Disk] = (),
@@ -452,7 +454,8 @@ class RotorSystem(CheckedKeywords, Shown):
         bearings : "catalogue" or mapping of str to float, mapping or None, optional
             What the file does not contain, by the name of the bearing or a unique part of it: a
             stiffness for the directions in which the file says that it carries [N/m]; parameters
-            of `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.JournalBearing` without
+            of `gearbow.Bearing`, `gearbow.RollingBearing`, `gearbow.JournalBearing` or
+            `gearbow.TiltingPadBearing` without
             shaft, position and support; options of the estimated rolling bearing, such as
             ``{"clearance": 1e-5}``; or None to leave the bearing out. "other" is for all bearings
             without an entry. Bearings that then have no stiffness are rolling bearings of

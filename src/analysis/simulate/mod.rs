@@ -158,6 +158,7 @@ pub fn simulate(
 /// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
 fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
     cached.model.scene.refuse_loss_factors()?;
+    cached.model.scene.refuse_reduced_pads()?;
     Ok(match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest())?,
         Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,
@@ -342,8 +343,8 @@ fn explain(cached: &CachedModel, halted: &Halted, origin: f64) -> AnalysisError 
             let [driver, driven] = cached.model.gear_names(mesh);
             AnalysisError::overlap(driver, driven, &format!("at {time} s"), overlap)
         }
-        Halt::Touch(Touch { bearing, eccentricity_ratio }) => AnalysisError::Contact(format!(
-            "bearings[{bearing}]: the journal touches the bearing at {time} s (eccentricity ratio {eccentricity_ratio:.6}); reduce the load or the unbalance, or raise the viscosity, the length or the speed"
+        Halt::Touch(Touch { bearing, nearness }) => AnalysisError::Contact(format!(
+            "bearings[{bearing}]: the journal touches the bearing at {time} s (eccentricity ratio {nearness:.6}); reduce the load or the unbalance, or raise the viscosity, the length or the speed"
         )),
         Halt::Diverged => AnalysisError::Stability(format!("the motion diverged after {time} s")),
         Halt::Interrupted => AnalysisError::Interrupted,

@@ -273,7 +273,7 @@ impl RecordPlan {
         if !self.bearings.contains(&node) {
             self.bearings.push(node);
         }
-        if model.nonlinear_bearings_at(node).any(|bearing| bearing.film().is_some()) {
+        if model.nonlinear_bearings_at(node).any(|bearing| bearing.is_journal()) {
             self.add_point(model, node);
         }
     }

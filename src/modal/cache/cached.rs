@@ -343,9 +343,9 @@ impl CachedModel {
         let at_speed = self.at(speed, 0.0)?;
         let mut points = at_speed.model.nonlinear_bearings.iter().filter_map(|bearing| bearing.point);
         let model = self.model.clone();
-        let points: Vec<_> = model.nonlinear_bearings.iter().map(|bearing| bearing.number).zip(&mut points).collect();
-        let of = |number: usize| points.iter().find(|(known, _)| *known == number).map(|(_, point)| *point);
-        let model = model.with_operating_points(|bearing| of(bearing.number).unwrap_or_default());
+        let points: Vec<_> = model.nonlinear_bearings.iter().map(|bearing| bearing.turning).zip(&mut points).collect();
+        let of = |turning: usize| points.iter().find(|(known, _)| *known == turning).map(|(_, point)| *point);
+        let model = model.with_operating_points(|bearing| of(bearing.turning).unwrap_or_default());
         Ok(AtSpeed::Specialised(Arc::new(Self::new(model))))
     }
 

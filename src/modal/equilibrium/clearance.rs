@@ -51,11 +51,11 @@ pub(in crate::modal) fn check_journals(
     range: std::ops::Range<f64>,
 ) -> Result<(), SceneError> {
     for journal in &model.nonlinear_bearings {
-        let Some(ratio) = journal.eccentricity_ratio(q.as_slice()) else {
+        let Some(ratio) = journal.nearness(q.as_slice()) else {
             continue;
         };
         let at = EntryPath::entry("bearings", journal.number);
-        if ratio < range.start {
+        if ratio < range.start && journal.is_journal() {
             let message = "no load acts on the journal bearing, so that its film has no stiffness and the shaft whirls; add gravity, a torque or another load";
             return Err(at.error(message));
         }
@@ -69,15 +69,25 @@ pub(in crate::modal) fn check_journals(
     Ok(())
 }
 
+/// Refuses a tilting pad that carries nothing at a speed of the reference shaft, rad/s, so that its tilt is free.
+pub(in crate::modal) fn check_tilts(model: &Model, q: &DVector<f64>, speed: f64) -> Result<(), SceneError> {
+    match model.nonlinear_bearings.iter().find(|bearing| !bearing.is_wedged(q.as_slice(), speed)) {
+        Some(bearing) => Err(EntryPath::entry("bearings", bearing.number).error(
+            "a tilting pad carries nothing at this load and speed, so that its tilt is free; raise its preload, or use reduced=\"synchronous\"",
+        )),
+        None => Ok(()),
+    }
+}
+
 /// Fraction of a Newton step that keeps journals off their bearings.
 pub(in crate::modal) fn within_clearances(model: &Model, q: &DVector<f64>, step: &DVector<f64>) -> f64 {
     let mut fraction: f64 = 1.0;
     for journal in &model.nonlinear_bearings {
-        let Some(ratio) = journal.eccentricity_ratio(q.as_slice()) else {
+        let Some(ratio) = journal.nearness(q.as_slice()) else {
             continue;
         };
         let limit = 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - ratio).max(0.0);
-        let exceeds = |q: DVector<f64>| journal.eccentricity_ratio(q.as_slice()).is_some_and(|ratio| ratio > limit);
+        let exceeds = |q: DVector<f64>| journal.nearness(q.as_slice()).is_some_and(|ratio| ratio > limit);
         while fraction > f64::EPSILON && exceeds(q + step * fraction) {
             fraction /= 2.0;
         }

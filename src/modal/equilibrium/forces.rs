@@ -54,6 +54,9 @@ pub(super) fn tangent_towards(
     bearing: &NonlinearBearing,
     speed: f64,
 ) -> Option<BearingTangent> {
+    if bearing.is_squeeze() {
+        return Some(BearingTangent { displacement: u.clone(), ..elastic_tangent(bearing) });
+    }
     let (aim, mut part) = (force_at(from, u), 1.0);
     while part >= LEAST_PART {
         let force = &from.force + part * (&aim - &from.force);

@@ -46,12 +46,48 @@ pub struct Bearing {
     /// Dynamic viscosity of the oil, Pa s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
-    /// Model of the film; short by default.
+    /// Model of the film; by default short for a plain profile, else finite.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<FilmModel>,
     /// Axial grooves of a finite film: angle of the middle from y towards z, and extent, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<Vec<[f64; 2]>>,
+    /// Profile of a journal bearing; plain by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
+    /// Preload m of the lobes of a profile or of tilting pads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preload: Option<f64>,
+    /// Closest place of a lobe, or pivot of a tilting pad, as a part of its extent in the direction of rotation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<f64>,
+    /// Angle by which a profile is turned from y towards z, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<f64>,
+    /// Pads of a journal bearing of another profile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pads: Option<Vec<Pad>>,
+    /// Number of tilting pads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pad_count: Option<u32>,
+    /// Extent of the arc of a tilting pad, rad; 5/6 of its share of the turn by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pad_extent: Option<f64>,
+    /// Moment of inertia of a tilting pad about its pivot, kg m².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pad_inertia: Option<f64>,
+    /// Mass of a tilting pad on a flexible pivot, kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pad_mass: Option<f64>,
+    /// Stiffness of the pivots along their radius, N/m; rigid by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pivot_stiffness: Option<f64>,
+    /// Whether linear analyses have the tilts as coordinates or coefficients in which they are eliminated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reduced: Option<Reduction>,
+    /// Where a finite film ruptures; by Reynolds' condition by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rupture: Option<Rupture>,
     /// Designation of a rolling bearing, e.g. "6308", from which its elements are estimated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub designation: Option<String>,
@@ -138,7 +174,7 @@ impl Bearing {
     }
 
     /// The entries of a journal bearing, and whether each is given.
-    pub fn film_entries(&self) -> [(&'static str, bool); 6] {
+    pub fn film_entries(&self) -> [(&'static str, bool); 18] {
         [
             ("diameter", self.diameter.is_some()),
             ("length", self.length.is_some()),
@@ -146,6 +182,18 @@ impl Bearing {
             ("viscosity", self.viscosity.is_some()),
             ("film", self.film.is_some()),
             ("grooves", self.grooves.is_some()),
+            ("profile", self.profile.is_some()),
+            ("preload", self.preload.is_some()),
+            ("offset", self.offset.is_some()),
+            ("orientation", self.orientation.is_some()),
+            ("pads", self.pads.is_some()),
+            ("rupture", self.rupture.is_some()),
+            ("pad_count", self.pad_count.is_some()),
+            ("pad_extent", self.pad_extent.is_some()),
+            ("pad_inertia", self.pad_inertia.is_some()),
+            ("pad_mass", self.pad_mass.is_some()),
+            ("pivot_stiffness", self.pivot_stiffness.is_some()),
+            ("reduced", self.reduced.is_some()),
         ]
     }
 }
@@ -186,4 +234,71 @@ pub enum FilmModel {
     Short,
     /// Film of finite length, from Reynolds' equation.
     Finite,
+}
+
+/// Profile of the bore of a journal bearing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Profile {
+    /// Cylinder.
+    #[default]
+    #[serde(rename = "plain")]
+    Plain,
+    /// Cylinder with axial grooves at y and −y.
+    #[serde(rename = "two axial grooves")]
+    Grooves,
+    /// Two lobes above each other (elliptical).
+    #[serde(rename = "lemon")]
+    Lemon,
+    /// Two halves displaced along their joint.
+    #[serde(rename = "offset")]
+    Offset,
+    /// Three lobes, one of them at −z.
+    #[serde(rename = "three-lobe")]
+    ThreeLobe,
+    /// Four lobes, with a groove at −z.
+    #[serde(rename = "four-lobe")]
+    FourLobe,
+}
+
+/// Frequency for which the tilts of pads are eliminated from the coefficients of a bearing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reduction {
+    /// That of the rotation of the shaft.
+    Synchronous,
+    /// That of each mode: the tilts stay coordinates.
+    Own,
+}
+
+/// Where a film ruptures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rupture {
+    /// Where the pressure and its gradient vanish.
+    #[default]
+    Reynolds,
+    /// Where the pressure of the film without rupture is negative (Gümbel).
+    Gumbel,
+}
+
+/// A pad of a journal bearing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pad {
+    /// Angle from y towards z at which its arc begins, rad.
+    pub begin: f64,
+    /// Extent of its arc, rad.
+    pub extent: f64,
+    /// Axial length, m; that of the bearing by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+    /// Radial clearance of the pad, m; that of the bearing by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance: Option<f64>,
+    /// Preload m = 1 − bearing clearance/pad clearance; 0 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preload: Option<f64>,
+    /// Place closest to the centred journal, as a part of the extent in the direction of rotation; 0.5 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<f64>,
 }

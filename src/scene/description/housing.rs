@@ -7,7 +7,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::Coefficient;
+use super::{Coefficient, FilmModel};
 
 /// A mass on a spring and a damper between a bearing and the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,24 @@ pub struct Support {
     /// Damping to the ground over (y, z), N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<Coefficient>,
+    /// Diameter of the ring in a squeeze film, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diameter: Option<f64>,
+    /// Length of a squeeze film, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+    /// Radial clearance of a squeeze film, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance: Option<f64>,
+    /// Dynamic viscosity of the oil of a squeeze film, Pa s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<f64>,
+    /// Model of a squeeze film; short by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<FilmModel>,
+    /// Whether a squeeze film ruptures (π film, the default) or not (2π film).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ruptures: Option<bool>,
     /// Stiffness to the ground along the axis, N/m; without it, the support does not move along the axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_stiffness: Option<f64>,
@@ -32,6 +50,20 @@ pub struct Support {
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loss_factor: Option<f64>,
+}
+
+impl Support {
+    /// Whether each entry of a squeeze film is given.
+    pub fn film_entries(&self) -> [(&'static str, bool); 6] {
+        [
+            ("diameter", self.diameter.is_some()),
+            ("length", self.length.is_some()),
+            ("clearance", self.clearance.is_some()),
+            ("viscosity", self.viscosity.is_some()),
+            ("film", self.film.is_some()),
+            ("ruptures", self.ruptures.is_some()),
+        ]
+    }
 }
 
 /// An elastic body by its vibration modes with unit modal mass.

@@ -16,7 +16,7 @@ mod teeth;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-pub use bearing::{Bearing, BearingKind, ContactKind, FilmModel};
+pub use bearing::{Bearing, BearingKind, ContactKind, FilmModel, Pad, Profile, Reduction, Rupture};
 pub use damping::{ModalDampingGiven, RatioTable};
 pub use housing::{Base, ElasticBody, Housing, Interface, Support};
 pub use loads::{Coupling, Drive, Force, ForceValue, TimeSeries, TorqueTable, TorqueValue};

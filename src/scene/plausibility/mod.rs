@@ -87,6 +87,12 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
             }
         }
     }
+    for (squeeze, name) in scene.housings.iter().filter_map(|housing| Some((housing.squeeze.as_ref()?, &housing.name)))
+    {
+        let (at, journal) = (EntryPath::root(name), &squeeze.journal);
+        found.check(&at.field("clearance"), 2.0 * journal.clearance / journal.diameter, &JOURNAL_CLEARANCE);
+        found.check(&at.field("viscosity"), journal.viscosity, &OIL_VISCOSITY);
+    }
     for (index, given) in system.bearings.iter().enumerate() {
         let (at, node) = (EntryPath::entry("bearings", index), scene.bearings[index].node);
         let shaft = &scene.shafts[node.shaft];

@@ -118,6 +118,12 @@ def objects() -> dict[str, object]:
         gb.MeshFriction(0.05),
         gb.TransmissionError(table=MANY),
         journal,
+        gb.Pad(0.2, 2.5),
+        gb.TiltingPadBearing(
+            "a", 0.0, diameter=0.1, length=0.03, clearance=1e-4, viscosity=0.1, pad_count=5
+        ),
+        damper := gb.SqueezeFilm(diameter=0.1, length=0.03, clearance=1e-4, viscosity=0.1),
+        damper.coefficients(0.4),
         rolling,
         journal.coefficients(500.0, 150.0),
         rolling.coefficients(500.0),

@@ -106,6 +106,7 @@ def with_part(name: str) -> Callable[..., object]:
         "RollingBearing": "bearings",
         "Shaft": "shafts",
         "Support": "supports",
+        "TiltingPadBearing": "bearings",
         "Torque": "torques",
     }[name]
 
@@ -289,6 +290,36 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "JournalBearing.coefficients": (
         gb.JournalBearing(**AT, **JOURNAL).coefficients,
         {"load": 100.0, "speed": 100.0},
+    ),
+    "Pad": (
+        lambda **given: system().replace(
+            bearings=[
+                *system().bearings,
+                gb.JournalBearing(**AT, **JOURNAL, pads=[gb.Pad(**given)]),
+            ]
+        ),
+        {"begin": 0.2, "extent": 2.5, "preload": 0.3},
+    ),
+    "TiltingPadBearing": (
+        with_part("TiltingPadBearing"),
+        {**AT, **JOURNAL, "pad_count": 5, "pad_inertia": 1e-5},
+    ),
+    "TiltingPadBearing.coefficients": (
+        gb.TiltingPadBearing(**AT, **JOURNAL, pad_count=5).coefficients,
+        {"load": 100.0, "speed": 100.0, "frequency": 50.0},
+    ),
+    "SqueezeFilm": (
+        lambda **given: system().replace(
+            bearings=[
+                *system().bearings,
+                gb.Bearing(**AT, stiffness=1e8, support=gb.SqueezeFilm(**given)),
+            ]
+        ),
+        {**JOURNAL, "mass": 1.0, "stiffness": 1e7},
+    ),
+    "SqueezeFilm.coefficients": (
+        gb.SqueezeFilm(**JOURNAL).coefficients,
+        {"eccentricity_ratio": 0.4, "frequency": 100.0},
     ),
     "RollingBearing": (with_part("RollingBearing"), {**AT, **ROLLING}),
     "RollingBearing.coefficients": (
@@ -720,7 +751,7 @@ METHODS["Static"][1]["plot"] = {}
 #: some arguments; each gives a result or an error of gearbow.
 OF_WRONG_TYPE = {
     "True": {"progress", "runout", "shear", "sparse", "frozen", "mean_stiffness", "simplified"}
-    | {"vibrating"}
+    | {"vibrating", "ruptures"}
     | {"damping_in_separation", "axial", "foundation", "geometric_stiffness", "bow_torque"},
     "function": {"gain", "progress", "make", "measure", "f", "speed", "value", "runout"},
     "object": set(),
