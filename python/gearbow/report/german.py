@@ -699,6 +699,7 @@ WORDS = {
     "steel with E = 207 GPa, ν = 0.3, ρ = 7850 kg/m³": (
         "Stahl mit E = 207 GPa, ν = 0.3, ρ = 7850 kg/m³"
     ),
+    "mass and inertia of steel rings": "Masse und Trägheitsmoment von Stahlringen",
     "tip radius of full-depth teeth": "Kopfkreisradius von Zähnen voller Höhe",
     "mass and inertia of solid steel disks": ("Masse und Trägheitsmoment von vollen Stahlscheiben"),
     "number and size of rolling elements by estimates, stiffness within {error}": (
