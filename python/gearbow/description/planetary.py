@@ -22,7 +22,7 @@ from gearbow.errors import SceneError
 #: Largest distance of (z_s + z_r) ψ/2π from a whole number at which teeth fit, in pitches.
 _FITTING = 1e-6
 #: Default material of pins: the planet has all the mass. A shaft of this density is massless.
-_MASSLESS = Material(youngs_modulus=207e9, density=1e-3)
+_MASSLESS = Material(youngs_modulus=207e9, density=1.0, poisson_ratio=0.3)
 
 
 @dataclass(frozen=True)
@@ -170,13 +170,13 @@ class PlanetaryStage(Part):
     centre_distance: float | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.planets, int):
+        if isinstance(self.planets, list | tuple):
             freeze(self, "planets")
 
     def _angles(self, path: str) -> list[float]:
         """Give the angles of the planets [rad]."""
         if isinstance(self.planets, bool) or not isinstance(self.planets, int):
-            if isinstance(self.planets, str) or not isinstance(self.planets, Sequence):
+            if not isinstance(self.planets, tuple):
                 raise SceneError(
                     f"{path}.planets: must be a whole number or a list of angles [rad], got "
                     f"{shown(self.planets)}"
