@@ -131,10 +131,12 @@ pub(super) fn check_play(
     let without =
         rack.distance_without_play().map_or_else(String::new, |without| format!(", {without:.6} m is without play"));
     let given = backlash.map_or_else(String::new, |backlash| format!(", backlash is {} m", short(backlash)));
+    // The play of an internal gear shrinks with the centre distance.
+    let (wider, closer) = if rack.reference_distance < 0.0 { ("smaller", "larger") } else { ("larger", "smaller") };
     let cause = if overlap {
-        "the teeth overlap unless they are thinner; use a larger centre_distance or a smaller profile_shift"
+        format!("the teeth overlap unless they are thinner; use a {wider} centre_distance or a smaller profile_shift")
     } else {
-        "use a backlash of at least this play, a smaller centre_distance or a larger profile_shift"
+        format!("use a backlash of at least this play, a {closer} centre_distance or a larger profile_shift")
     };
     warnings.push(format!(
         "{}: the normal play of the flanks at {distance} m is {} m{given}{without}; {cause}",

@@ -157,7 +157,11 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
     let (module, base_radius) = module_and_base_radius(given, module_given, transverse, helix_angle.cos(), at)?;
     let pitch_radius = module / helix_angle.cos() * f64::from(given.teeth) / 2.0;
     let mut gear = Gear {
-        body: Body { name: given.name.clone(), node: names.node(shafts, &given.shaft, given.position, at)?, ..Body::default() },
+        body: Body {
+            name: given.name.clone(),
+            node: names.node(shafts, &given.shaft, given.position, at)?,
+            ..Body::default()
+        },
         teeth: given.teeth,
         internal: given.internal,
         base_radius,
@@ -174,7 +178,8 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
     gear.tip_radius = optional(given.tip_radius, "tip_radius", at)?.unwrap_or(gear.full_depth_tip_radius());
     let (tip_radius, root_radius) = (gear.tip_radius, gear.root_radius());
     let problem = if gear.internal {
-        let inside = || format!("{tip_radius} m is inside the base circle of {base_radius} m, where flanks have no involute");
+        let inside =
+            || format!("{tip_radius} m is inside the base circle of {base_radius} m, where flanks have no involute");
         let outside = || format!("{tip_radius} m leaves no tooth inside the root radius of {root_radius} m");
         if tip_radius < base_radius { Some(inside()) } else { (tip_radius >= root_radius).then(outside) }
     } else {

@@ -228,7 +228,9 @@ fn check_sizes(a: &Gear, b: &Gear, at: &EntryPath) -> Result<(), SceneError> {
     let [pinion, ring] = match (a.internal, b.internal) {
         (false, false) => return Ok(()),
         (true, true) => {
-            return Err(at.error(format!("cannot mesh: \"{first}\" and \"{second}\" are both internal; one must be external")));
+            return Err(
+                at.error(format!("cannot mesh: \"{first}\" and \"{second}\" are both internal; one must be external"))
+            );
         }
         (true, false) => [b, a],
         (false, true) => [a, b],
@@ -249,7 +251,11 @@ fn check_hands(a: &Gear, b: &Gear, at: &EntryPath) -> Result<(), SceneError> {
     if (first - sign * second).abs() <= EQUALITY_TOLERANCE * first.abs().max(second.abs()) {
         return Ok(());
     }
-    let need = if sign < 0.0 { "external gears need opposite hands" } else { "an internal gear and its pinion need the same hand" };
+    let need = if sign < 0.0 {
+        "external gears need opposite hands"
+    } else {
+        "an internal gear and its pinion need the same hand"
+    };
     Err(at.error(format!(
         "cannot mesh: \"{}\" has helix_angle {first} rad, \"{}\" {second} rad; {need} of the same angle: give \"{}\" helix_angle={}",
         a.body.name, b.body.name, b.body.name, sign * first

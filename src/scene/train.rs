@@ -146,7 +146,9 @@ impl Scene {
 /// Rotation of each shaft in the rigid-body rotation that turns shaft `start` by 1; None if nothing connects them.
 fn rotations_by_radius(shafts: usize, start: usize, train: Train<'_>) -> Vec<Option<f64>> {
     let mut rotations = vec![None; shafts];
-    connect(&mut rotations, Known { shaft: start, ratio: 1.0 }, train, |gear| train.gears[gear].sign() * train.gears[gear].base_radius);
+    connect(&mut rotations, Known { shaft: start, ratio: 1.0 }, train, |gear| {
+        train.gears[gear].sign() * train.gears[gear].base_radius
+    });
     rotations
 }
 

@@ -199,7 +199,11 @@ fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mu
     found.check(&at.field("pressure_angle"), gear.pressure_angle, &PRESSURE_ANGLE);
     found.check(&at.field("profile_shift"), gear.profile_shift, &PROFILE_SHIFT);
     if given.tip_radius.is_some() {
-        found.check(&at.field("tip_radius"), gear.sign() * (gear.tip_radius - gear.pitch_radius) / gear.module, &GEAR_ADDENDUM);
+        found.check(
+            &at.field("tip_radius"),
+            gear.sign() * (gear.tip_radius - gear.pitch_radius) / gear.module,
+            &GEAR_ADDENDUM,
+        );
     }
     found.check(&at.field("runout"), gear.runout.norm() / gear.module, &GEAR_RUNOUT);
     if let Some(width) = gear.face_width {
