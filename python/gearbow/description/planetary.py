@@ -40,10 +40,24 @@ class RingGear(Part):
         stand on a shaft needs a carrier that turns.
     position : float
         Position on the shaft, from its left end [m].
-    module, face_width, pressure_angle, helix_angle, profile_shift, tip_radius
-        As in `Gear`.
-    mass, diametral_inertia, polar_inertia
-        As in `Gear`.
+    module : float
+        Module [m], of a helical gear the normal module.
+    face_width : float, optional
+        Face width [m].
+    pressure_angle : float
+        Pressure angle of the basic rack [rad].
+    helix_angle : float
+        Helix angle [rad]; an internal gear has the hand of its pinion.
+    profile_shift : float
+        Profile shift coefficient; a positive one moves the tips inwards.
+    tip_radius : float, optional
+        Tip radius [m]; None is that of full-depth teeth, as in `Gear`.
+    mass : float, optional
+        Mass [kg]; None is that of a steel ring, as in `Gear`.
+    diametral_inertia : float, optional
+        Moment of inertia about a diameter [kg m²].
+    polar_inertia : float, optional
+        Moment of inertia about the axis [kg m²].
 
     Examples
     --------
@@ -89,7 +103,7 @@ class PlanetaryStage(Part):
 
     `RotorSystem(planetary_stages=...)` adds to its parts, for every planet with the number i from
     1: the gear "planet i", named after `planet`, its shaft "planet pin i", its meshes with sun and
-    ring, and its bearings. Results, files and analyses know these parts as all others. The speed of the ring
+    ring, and its bearings. Results, files and analyses know them as all others. The ring's speed
     is −z_sun/z_ring of that of the sun (Willis, carrier at rest).
 
     Parameters
@@ -342,29 +356,9 @@ def tooth_angles(
     gears: Mapping[str, Gear],
     senses: Mapping[str, float],
 ) -> dict[tuple[str, str], float]:
-    """Find the phases of the meshes that the planets of a stage drive.
-
-    A planet has one position, which the mesh that drives it gives: the flank that drives the next
-    gear is the other one of the tooth in contact.
-
-    Parameters
-    ----------
-    stage : PlanetaryStage
-        The stage.
-    meshes : sequence of Mesh
-        All meshes of the system.
-    geometry : mapping
-        Geometry of each mesh, by driver and driven gear.
-    gears : mapping
-        Gears by name.
-    senses : mapping
-        Sign of the speed of each shaft.
-
-    Returns
-    -------
-    dict
-        `Mesh.tooth_angle` of the meshes with a planet as driver.
-    """
+    """Find `Mesh.tooth_angle` of the meshes that the planets of a stage drive."""
+    # A planet has one position, which the mesh that drives it gives: the flank that drives the
+    # next gear is the other one of the tooth in contact.
     pairs = [mesh for mesh in meshes if (mesh.driver, mesh.driven) in geometry]
     found = {}
     names = [f"{stage.planet.name} {i}" for i in range(1, len(stage._angles("planets")) + 1)]
