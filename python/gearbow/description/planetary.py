@@ -6,7 +6,7 @@ carrier stands still (star gear): it is the ground, or a housing.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass, fields, replace
 from typing import Any
 
 from gearbow._convert import real, shown
@@ -90,11 +90,9 @@ class RingGear(Part):
                 + (shafts[-1] if shafts else "output")
                 + '"'
             )
-        names = ("name", "teeth", "position", "module", "face_width", "pressure_angle")
-        names += ("helix_angle", "profile_shift", "tip_radius", "mass")
-        names += ("diametral_inertia", "polar_inertia")
-        given = {name: getattr(self, name) for name in names}
-        return Gear(shaft=self.support, internal=True, **given)
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        own |= {"shaft": own.pop("support"), "internal": True}
+        return Gear(**own)
 
 
 @dataclass(frozen=True)
