@@ -28,8 +28,8 @@ STAGES = (("pinion 1", "wheel 1"), ("pinion 2", "wheel 2"))
 
 def gearbox() -> gb.RotorSystem:
     """Return the motor, its coupling and the gearbox."""
-    first = {"module": 2.5e-3, "face_width": 0.04}
-    second = {"module": 3.5e-3, "face_width": 0.06}
+    first: dict[str, Any] = {"module": 2.5e-3, "face_width": 0.04}
+    second: dict[str, Any] = {"module": 3.5e-3, "face_width": 0.06}
     ball_6308: dict[str, Any] = {
         "elements": 8,
         "element_diameter": 0.01508,

@@ -29,7 +29,7 @@ def train(
 ) -> gb.RotorSystem:
     """Describe a double-stage train with bowed shafts."""
     bow = gb.Bow.half_sine(1.5e-4, phase=0.3)
-    tooth = {"module": 3e-3, "face_width": 0.03}
+    tooth: dict[str, Any] = {"module": 3e-3, "face_width": 0.03}
     mesh: dict[str, Any] = {"stiffness": stiffness, "damping_ratio": 0.05, "backlash": backlash}
     return gb.RotorSystem(
         shafts=[

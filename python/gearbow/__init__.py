@@ -51,6 +51,10 @@ from gearbow.description.places import (
     Housing as Housing,
     Support as Support,
 )
+from gearbow.description.planetary import (
+    PlanetaryStage as PlanetaryStage,
+    RingGear as RingGear,
+)
 from gearbow.description.rolling import RollingBearing as RollingBearing
 from gearbow.description.shafts import (
     STEEL as STEEL,

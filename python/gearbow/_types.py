@@ -256,7 +256,7 @@ class FilmData(TypedDict):
 
 
 class MeshGeometry(TypedDict):
-    """Geometry of one mesh at rest, in m and rad; radii of driver and driven gear."""
+    """Geometry of one mesh at rest, in m and rad; radii of an internal gear are negative."""
 
     centre_distance: float
     pressure_angle: float

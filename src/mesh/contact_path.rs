@@ -5,12 +5,14 @@
 pub struct ContactPath {
     /// Position s of pair 0, m.
     pub position: f64,
-    /// Length C sin α of the line of action between the base circles, m.
+    /// Length C sin α of the line of action between the base circles, m; negative if a gear is internal.
     pub tangent: f64,
     /// Beginning of the path of contact, m.
     pub low: f64,
     /// End of the path of contact, m.
     pub high: f64,
+    /// Positions of the base circles of driver and driven gear, m, which limit the path; infinite for that of an internal gear.
+    pub limits: [f64; 2],
     /// Base pitch, m.
     pub pitch: f64,
     /// Length b tan β_b of the path by which the contact at one end of the face width is ahead of the other end, m; zero for
@@ -23,7 +25,7 @@ impl ContactPath {
     /// otherwise 0.
     #[inline]
     pub(super) fn end_slopes(&self) -> [f64; 2] {
-        [f64::from(u8::from(self.low > 0.0)), f64::from(u8::from(self.high >= self.tangent))]
+        [f64::from(u8::from(self.low > self.limits[0])), f64::from(u8::from(self.high >= self.limits[1]))]
     }
 
     /// Positions of both ends among the pairs, in base pitches from pair 0, for a pair that touches anywhere on its face.

@@ -8,7 +8,8 @@
 //! f = μ|F|/cos β_b · d Σ φ_j g_j,    M_a = σ μ|F|/cos β_b · d Σ φ_j g_j s_j,    M_b = σ μ|F|/cos β_b · d Σ φ_j g_j (C sin α − s_j)
 //! ```
 //!
-//! The driver is subject to −f. d = −σ sgn Ω_a is −1 on the drive flank. g_j is the sign of s_j − s_C, which changes within a
+//! The driver is subject to −f. d = −σ sgn Ω_a is −1 on the drive flank, and 1 if the driver is internal and so slides the other
+//! way; lengths have the signs of `involute.rs`. g_j is the sign of s_j − s_C, which changes within a
 //! given length of the path of contact about the pitch point by a twice differentiable polynomial.
 //!
 //! The prescribed rotation decides on the direction of sliding: the velocity of a vibration shifts the change of sign by
@@ -61,6 +62,8 @@ pub struct Friction {
     half_width: f64,
     /// Base radius of the driver over the sum of the base radii.
     pitch_point: f64,
+    /// Direction of sliding against that of external gears: −1 if the driver is internal.
+    direction: f64,
     /// Cosine of the base helix angle β_b.
     cosine: f64,
     /// Mean sums of a stiffness without tooth pairs.
@@ -77,6 +80,7 @@ impl Friction {
             law: given.law,
             half_width: given.transition * involute.base_pitch / 2.0,
             pitch_point: involute.base_radius[0] / involute.base_circles(),
+            direction: (involute.base_circles() * involute.base_radius[1]).signum(),
             cosine: pair[0].base_helix_angle().cos(),
             mean: None,
             rotation: Vec::new(),
@@ -136,7 +140,8 @@ impl Friction {
         if spin == 0.0 {
             return FrictionForce::default();
         }
-        let size = -self.coefficient(force, spin, line.tangent) * force.abs() / self.cosine * spin.signum();
+        let direction = -spin.signum() * self.direction;
+        let size = self.coefficient(force, spin, line.tangent) * force.abs() / self.cosine * direction;
         FrictionForce { force: sigma * size * sums.force, moments: [size * sums.driver, size * sums.driven] }
     }
 
@@ -187,7 +192,7 @@ const MAX_LUBRICATED_COEFFICIENT: f64 = 0.2;
 
 impl FrictionLaw {
     /// Coefficient of friction under the tangential force at the base circle, N, with the radii of curvature of the transverse
-    /// flanks at the pitch point, m.
+    /// flanks at the pitch point, m, that of an internal gear negative.
     fn coefficient(&self, force: f64, spin: f64, [driver, driven]: [f64; 2], cosine: f64) -> f64 {
         match *self {
             Self::Constant(coefficient) => coefficient,
@@ -196,7 +201,7 @@ impl FrictionLaw {
                 let load = (force.abs() / face_width).max(MIN_LINE_LOAD) * 1e-3;
                 let spin = spin.abs().min(MAX_PITCH_LINE_VELOCITY / pitch_radius);
                 let curvature = 1e3 * driver * driven / ((driver + driven) * cosine);
-                let contact = (load / (2.0 * spin * driver * curvature)).powf(0.2);
+                let contact = (load / (2.0 * spin * driver.abs() * curvature)).powf(0.2);
                 let oil = (1e3 * viscosity).powf(-0.05) * (1e6 * roughness).powf(0.25) * lubricant_factor;
                 (0.048 * contact * oil).min(MAX_LUBRICATED_COEFFICIENT)
             }

@@ -25,7 +25,7 @@ use super::pose::{Geometry, RelativeMotion, dot};
 pub struct Helix {
     /// tan β_b of the driver; positive for a right-hand helix.
     pub slope: f64,
-    /// Base radius of driver and driven gear over their sum.
+    /// Base radius of driver and driven gear over their sum, with the signs of `involute.rs`.
     pub shares: [f64; 2],
     /// Indices of u of driver and driven gear.
     pub axial: [usize; 2],

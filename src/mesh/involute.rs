@@ -1,5 +1,5 @@
-//! Involute geometry of a gear pair, modelled as a crossed belt between the base circles. The mesh deflection is the
-//! change of the belt length.
+//! Involute geometry of a gear pair, modelled as a crossed belt between the base circles, or an open one if a gear is
+//! internal. The mesh deflection is the change of the belt length.
 //!
 //! With S = r_a + r_b, the vector c = C₀(cos ψ, sin ψ) + (u_b − u_a) between the centres, C = |c|, γ = arg c and
 //! cos α = S/C:
@@ -12,34 +12,39 @@
 //! n = σ cos α·(−sin γ, cos γ) + sin α·(cos γ, sin γ). With respect to u_b it is −n, and with respect to the twists it
 //! is σr_a and σr_b. Angles are positive counter-clockwise, viewed from +x with y to the right and z up.
 //!
+//! A pair with an internal gear has the same equations with −r_b in place of r_b and −C sin α in place of C sin α: the driven
+//! gear turns in the same direction, and the belt lies on one side of both centres. Where S and C sin α have different signs,
+//! cos α and sin α above are those of arg(S + i C sin α). Here, `tangent` is the signed length C sin α.
+//!
 //! The differences γ − ψ and inv α − inv α₀ are computed directly, without subtracting two rounded numbers. A load of
 //! 1e-9 N deflects a mesh by 1e-18 m, and this deflection keeps its full relative accuracy.
 
 use super::contact_path::ContactPath;
-use crate::scene::{Gear, Mesh, path_of_contact};
+use crate::scene::{Gear, Mesh, PairGeometry};
 
 /// Geometry of a gear pair with the centres at rest.
 #[derive(Clone, Debug)]
 pub struct Involute {
-    /// Base radii of driver and driven gear, m.
+    /// Base radii of driver and driven gear, m; the second is negative if one gear is internal.
     pub base_radius: [f64; 2],
-    /// √(tip radius² − base radius²) of driver and driven gear, m: length of the line of action from base circle to
-    /// tip.
-    tip_reach: [f64; 2],
+    /// Lengths of the line of action.
+    pair: PairGeometry,
     /// Base pitch of the driver, m.
     pub base_pitch: f64,
     /// Overlap b tan β_b of helical teeth along the path of contact, m.
     overlap: f64,
     /// Thickness of a tooth of the driver on its base circle, m: the arc between its drive flank and its back flank.
     pub base_thickness: f64,
-    /// Sum S of the base radii, m.
+    /// Sum S of the base radii, m, with their signs.
     sum: f64,
     /// Centre distance C₀ at rest, m.
     distance: f64,
-    /// Length t₀ = C₀ sin α₀ of the line of action between the base circles at rest, m.
+    /// Length t₀ = C₀ sin α₀ of the line of action between the base circles at rest, m; negative if a gear is internal.
     tangent: f64,
-    /// Operating pressure angle α₀ at rest, rad.
+    /// Angle arg(S + i t₀) at rest, rad: the operating pressure angle, unless a gear is internal.
     pressure_angle: f64,
+    /// Angle of the drive flank of a tooth of the driver on its base circle at the time zero, rad.
+    tooth_angle: f64,
     /// Angle ψ of the line of centres at rest, rad, with its cosine and sine.
     angle: f64,
     direction: [f64; 2],
@@ -56,8 +61,9 @@ pub struct Centres {
     pub angle: f64,
     /// Contact ratio ε; for helical teeth the total one, ε_α + ε_β.
     pub contact_ratio: f64,
-    /// C sin α minus the larger √(tip radius² − base radius²) of both gears, m. If it is negative, a tip reaches beyond
-    /// the base circle of the other gear, where no involute exists (involute interference).
+    /// C sin α minus the larger √(tip radius² − base radius²) of both gears, m; of an internal gear its √(tip radius² − base
+    /// radius²) minus C sin α. If it is negative, a tip reaches beyond the base circle of the other gear, where no involute exists
+    /// (involute interference).
     pub involute_clearance: f64,
 }
 
@@ -78,7 +84,7 @@ pub(super) struct CentreGeometry {
     direction: [f64; 2],
     /// Centre distance C, m.
     distance: f64,
-    /// Length C sin α of the line of action between the base circles, m.
+    /// Length C sin α of the line of action between the base circles, m, with its sign.
     tangent: f64,
     /// Rotation γ − ψ of the line of centres from rest, rad.
     rotation: f64,
@@ -105,12 +111,12 @@ pub struct LineOfAction {
     pub pressure_angle_change: f64,
 }
 
-/// The base circles overlap: there is no line of action.
+/// The base circles overlap, or that of a gear lies within that of an internal gear: there is no line of action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
     /// Distance of the centres, m.
     pub distance: f64,
-    /// Sum of the base radii, m.
+    /// Sum of the base radii, m; their difference if a gear is internal.
     pub base_circles: f64,
 }
 
@@ -118,12 +124,13 @@ impl Involute {
     /// Creates the gear pair of a mesh.
     pub fn new(mesh: &Mesh, gears: &[Gear]) -> Self {
         let (a, b) = (&gears[mesh.driver], &gears[mesh.driven]);
-        let sum = a.base_radius + b.base_radius;
+        let pair = PairGeometry::of([a, b]);
+        let sum = pair.base_circles();
         let (sin, cos) = mesh.centre_line_angle.sin_cos();
-        let tangent = ((mesh.centre_distance - sum) * (mesh.centre_distance + sum)).sqrt();
+        let tangent = pair.tangent(mesh.centre_distance);
         Self {
-            base_radius: [a.base_radius, b.base_radius],
-            tip_reach: [a.tip_reach(), b.tip_reach()],
+            base_radius: pair.base_radius,
+            pair,
             base_pitch: a.base_pitch(),
             overlap: a.overlap(b),
             base_thickness: 2.0 * a.base_radius * a.half_angle(),
@@ -131,6 +138,7 @@ impl Involute {
             distance: mesh.centre_distance,
             tangent,
             pressure_angle: tangent.atan2(sum),
+            tooth_angle: mesh.tooth_angle,
             angle: mesh.centre_line_angle,
             direction: [cos, sin],
         }
@@ -177,9 +185,9 @@ impl Involute {
         // The comparison is false for NaN, so a diverged run does not report overlapping base circles.
         if square <= 0.0 {
             let distance = (self.distance * self.distance + growth).max(0.0).sqrt();
-            return Err(Overlap { distance, base_circles: self.sum });
+            return Err(Overlap { distance, base_circles: self.sum.abs() });
         }
-        let tangent = square.sqrt();
+        let tangent = square.sqrt().copysign(self.tangent);
         Ok(Lengths {
             distance: (self.distance * self.distance + growth).sqrt(),
             tangent,
@@ -246,11 +254,11 @@ impl Involute {
         let Lengths { distance, tangent, .. } = self.lengths(relative_displacement)?;
         let ContactPath { low, high, pitch, overlap, .. } = self.path(tangent);
         Ok(Centres {
-            pressure_angle: tangent.atan2(self.sum),
+            pressure_angle: (tangent / self.sum).abs().atan(),
             distance,
             angle: self.angle + tangent_direction.atan2(self.distance + along),
             contact_ratio: (high - low + overlap) / pitch,
-            involute_clearance: tangent - self.tip_reach[0].max(self.tip_reach[1]),
+            involute_clearance: tangent - self.pair.limiting_reach,
         })
     }
 
@@ -270,8 +278,8 @@ impl Involute {
     /// origin.
     #[inline(always)]
     pub fn path(&self, tangent: f64) -> ContactPath {
-        let [low, high] = path_of_contact(tangent, self.tip_reach);
-        ContactPath { position: 0.0, tangent, low, high, pitch: self.base_pitch, overlap: self.overlap }
+        let ([low, high], limits) = (self.pair.path_of_contact(tangent), self.pair.limits(tangent));
+        ContactPath { position: 0.0, tangent, low, high, limits, pitch: self.base_pitch, overlap: self.overlap }
     }
 
     /// The path of contact of the centres at rest.
@@ -279,13 +287,14 @@ impl Involute {
         self.path(self.tangent)
     }
 
-    /// Position s = r_a[σ(ϑ_a − γ) + α] of pair 0, m, at the driver angle ϑ_a (spin angle, plus twist if included).
+    /// Position s = r_a[σ(ϑ_a + τ − γ) + α] of pair 0, m, at the driver angle ϑ_a (spin angle, plus twist if included), with the
+    /// angle τ of its tooth at the time zero.
     #[inline(always)]
     pub fn position(&self, sigma: f64, driver_angle: f64, centres_angle: f64, pressure_angle: f64) -> f64 {
-        self.base_radius[0] * (sigma * (driver_angle - centres_angle) + pressure_angle)
+        self.base_radius[0] * (sigma * (driver_angle + self.tooth_angle - centres_angle) + pressure_angle)
     }
 
-    /// Operating pressure angle α₀ at rest, rad.
+    /// Angle arg(S + i C sin α) at rest, rad: the operating pressure angle, unless a gear is internal.
     pub fn pressure_angle_at_rest(&self) -> f64 {
         self.pressure_angle
     }
@@ -300,7 +309,7 @@ impl Involute {
         self.direction.map(|component| self.distance * component)
     }
 
-    /// Sum S of the base radii, m.
+    /// Sum S of the base radii, m; their difference if a gear is internal.
     pub fn base_circles(&self) -> f64 {
         self.sum
     }

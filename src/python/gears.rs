@@ -5,10 +5,10 @@ use pyo3::types::PyDict;
 use pythonize::Depythonizer;
 
 use crate::mesh::Involute;
-use crate::scene::{Scene, SceneDescription};
+use crate::scene::{Gear, Scene, SceneDescription};
 
 /// Gives the geometry of each mesh at rest: centre distance, m, operating pressure angle, rad, and base, tip and root radii
-/// of driver and driven gear, m.
+/// of driver and driven gear, m, negative for an internal gear.
 #[pyfunction]
 pub fn mesh_geometry<'py>(py: Python<'py>, description: &Bound<'_, PyAny>) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let description = SceneDescription::from_objects(&mut Depythonizer::from_object(description))?;
@@ -18,10 +18,14 @@ pub fn mesh_geometry<'py>(py: Python<'py>, description: &Bound<'_, PyAny>) -> Py
         let pair = [mesh.driver, mesh.driven].map(|gear| &gears[gear]);
         let entry = PyDict::new(py);
         entry.set_item("centre_distance", mesh.centre_distance)?;
-        entry.set_item("pressure_angle", involute.pressure_angle_at_rest())?;
-        entry.set_item("base_radii", (involute.base_radius[0], involute.base_radius[1]))?;
-        entry.set_item("tip_radii", (pair[0].tip_radius, pair[1].tip_radius))?;
-        entry.set_item("root_radii", (pair[0].root_radius(), pair[1].root_radius()))?;
+        let signed = |of: fn(&Gear) -> f64| {
+            let [a, b] = pair.map(|gear| gear.sign() * of(gear));
+            (a, b)
+        };
+        entry.set_item("pressure_angle", (involute.base_circles().abs() / mesh.centre_distance).acos())?;
+        entry.set_item("base_radii", signed(|gear| gear.base_radius))?;
+        entry.set_item("tip_radii", signed(|gear| gear.tip_radius))?;
+        entry.set_item("root_radii", signed(Gear::root_radius))?;
         Ok(entry)
     };
     meshes.iter().map(geometry).collect()

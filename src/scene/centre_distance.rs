@@ -1,6 +1,7 @@
 //! Centre distance of gears with profile shift (DIN 3960, ISO 21771): the one without play, the play of another one, and the
 //! tips that it shortens.
 
+use super::contact::PairGeometry;
 use super::number::short;
 use super::{EntryPath, Gear, SceneError};
 
@@ -13,11 +14,11 @@ const MAX_OVERLAP: f64 = 0.02;
 
 /// The basic rack that two gears in mesh share, and their profile shifts.
 struct Rack {
-    /// Sum of the reference radii, m.
+    /// Sum of the reference radii, m, with the signs of ISO 21771: negative if a gear is internal.
     reference_distance: f64,
     /// Transverse pressure angle α_t, rad.
     pressure_angle: f64,
-    /// Sum x₁ + x₂ of the profile shift coefficients.
+    /// Sum x₁ + x₂ of the profile shift coefficients. That of an internal gear is positive where it moves the tips inwards.
     shift: f64,
     /// Number of teeth z₁ + z₂ over 2 tan α_n: the sum of the profile shifts that increases the involute by one.
     shift_by_involute: f64,
@@ -34,9 +35,10 @@ impl Rack {
         let gear = if a.rack.is_some() { a } else { b };
         let pressure_angle = gear.transverse_pressure_angle();
         let shift = a.profile_shift + b.profile_shift;
-        let shift_by_involute = (f64::from(a.teeth) + f64::from(b.teeth)) / (2.0 * gear.pressure_angle.tan());
+        let signed_sum = |of: fn(&Gear) -> f64| a.sign() * of(a) + b.sign() * of(b);
+        let shift_by_involute = signed_sum(|gear| f64::from(gear.teeth)) / (2.0 * gear.pressure_angle.tan());
         Self {
-            reference_distance: a.pitch_radius + b.pitch_radius,
+            reference_distance: signed_sum(|gear| gear.pitch_radius),
             pressure_angle,
             shift,
             shift_by_involute,
@@ -48,9 +50,9 @@ impl Rack {
     /// Centre distance at which the flanks have no play, m; `None` if there is none.
     fn distance_without_play(&self) -> Option<f64> {
         if self.shift == 0.0 {
-            return Some(self.reference_distance);
+            return Some(self.reference_distance.abs());
         }
-        let of = |angle: f64| self.reference_distance * self.pressure_angle.cos() / angle.cos();
+        let of = |angle: f64| self.reference_distance.abs() * self.pressure_angle.cos() / angle.cos();
         (self.involute > 0.0).then(|| of(angle_of_involute(self.involute)))
     }
 
@@ -59,13 +61,13 @@ impl Rack {
     fn normal_play(&self, distance: f64) -> f64 {
         let base = self.reference_distance * self.pressure_angle.cos();
         // Rounded base radii may permit a distance that is slightly too small for the rack.
-        let angle = (base / distance).min(1.0).acos();
+        let angle = (base.abs() / distance).min(1.0).acos();
         2.0 * base * self.base_helix_cosine * (involute(angle) - self.involute)
     }
 }
 
 /// inv α = tan α − α.
-fn involute(angle: f64) -> f64 {
+pub(super) fn involute(angle: f64) -> f64 {
     angle.tan() - angle
 }
 
@@ -98,9 +100,11 @@ pub(super) fn default_distance(pair: [&Gear; 2], at: &EntryPath) -> Result<f64, 
         let [first, second] = pair.map(|gear| &gear.body.name);
         at.field("centre_distance").error(format!(
             "no distance is without play: the values of profile_shift of \"{first}\" and \"{second}\" add up to {}, and \
-             their teeth need more than {}; use a larger profile_shift, or give centre_distance",
+             their teeth need {} than {}; use a {} profile_shift, or give centre_distance",
             short(rack.shift),
-            short(-involute(rack.pressure_angle) * rack.shift_by_involute)
+            if rack.shift_by_involute < 0.0 { "less" } else { "more" },
+            short(-involute(rack.pressure_angle) * rack.shift_by_involute),
+            if rack.shift_by_involute < 0.0 { "smaller" } else { "larger" },
         ))
     })
 }
@@ -127,10 +131,12 @@ pub(super) fn check_play(
     let without =
         rack.distance_without_play().map_or_else(String::new, |without| format!(", {without:.6} m is without play"));
     let given = backlash.map_or_else(String::new, |backlash| format!(", backlash is {} m", short(backlash)));
+    // The play of an internal gear shrinks with the centre distance.
+    let (wider, closer) = if rack.reference_distance < 0.0 { ("smaller", "larger") } else { ("larger", "smaller") };
     let cause = if overlap {
-        "the teeth overlap unless they are thinner; use a larger centre_distance or a smaller profile_shift"
+        format!("the teeth overlap unless they are thinner; use a {wider} centre_distance or a smaller profile_shift")
     } else {
-        "use a backlash of at least this play, a smaller centre_distance or a larger profile_shift"
+        format!("use a backlash of at least this play, a {closer} centre_distance or a larger profile_shift")
     };
     warnings.push(format!(
         "{}: the normal play of the flanks at {distance} m is {} m{given}{without}; {cause}",
@@ -139,13 +145,17 @@ pub(super) fn check_play(
     ));
 }
 
-/// Largest tip radius of the first gear, m, that keeps the least tip clearance to the root circle of the second one; infinite
-/// without profile shift, where the teeth are those of the basic rack at any centre distance.
+/// Largest tip radius of the first gear, m, negative for an internal gear, that keeps the least tip clearance to the root circle
+/// of the second one and, for an internal gear, stays outside the base circle of its pinion along the line of action. Without
+/// profile shift the first limit is infinite, because the teeth are those of the basic rack at any centre distance.
 pub(super) fn largest_tip_radius(gear: &Gear, other: &Gear, distance: f64) -> f64 {
+    let tangent = PairGeometry::of([gear, other]).tangent(distance);
+    let involute = if gear.internal { -gear.base_radius.hypot(tangent) } else { f64::INFINITY };
     if gear.profile_shift + other.profile_shift == 0.0 {
-        return f64::INFINITY;
+        return involute;
     }
-    distance - other.root_radius() - MIN_TIP_CLEARANCE * gear.module
+    let root = other.sign() * other.root_radius();
+    involute.min(distance.copysign(tangent) - root - MIN_TIP_CLEARANCE * gear.module)
 }
 
 #[cfg(test)]

@@ -12,6 +12,9 @@ use super::{Body, EntryPath, SceneError, Shaft, complex};
 pub(super) const PUBLISHED_DATA_TOLERANCE: f64 = 0.05;
 /// Dedendum of full-depth teeth in modules (ISO 53).
 const STANDARD_DEDENDUM: f64 = 1.25;
+/// Thickness of the rim of an internal gear outside its root circle, in modules, where mass and inertias are not given: from this
+/// thickness on the rim has no effect on the strength of the roots (ISO 6336-3).
+const STANDARD_RIM: f64 = 3.5;
 /// Default pressure angle of the basic rack, rad (ISO 53).
 const STANDARD_PRESSURE_ANGLE: f64 = 20.0 * PI / 180.0;
 
@@ -25,11 +28,14 @@ pub struct Gear {
     pub body: Body,
     /// Number of teeth z.
     pub teeth: u32,
+    /// Whether the teeth point inwards. Radii are positive; [`Gear::sign`] gives numbers of teeth and radii the signs of
+    /// ISO 21771, with which the formulas of external gears hold.
+    pub internal: bool,
     /// Base radius, m.
     pub base_radius: f64,
     /// Reference pitch radius, m.
     pub pitch_radius: f64,
-    /// Tip radius, m; the default is r + m (1 + x), shortened where the tip clearance of a mesh would be too small.
+    /// Tip radius, m; the default is r ± m (1 + x), shortened where the tip clearance of a mesh would be too small.
     pub tip_radius: f64,
     /// Module, m; of a helical gear the normal module.
     pub module: f64,
@@ -48,6 +54,11 @@ pub struct Gear {
 }
 
 impl Gear {
+    /// −1 for an internal gear, otherwise 1.
+    pub fn sign(&self) -> f64 {
+        if self.internal { -1.0 } else { 1.0 }
+    }
+
     /// Base pitch 2πr/z, m.
     pub fn base_pitch(&self) -> f64 {
         2.0 * PI * self.base_radius / f64::from(self.teeth)
@@ -71,12 +82,13 @@ impl Gear {
         if self.helix_angle == 0.0 { 0.0 } else { width * self.base_helix_angle().tan().abs() }
     }
 
-    /// Half the angle of a tooth at the base circle without backlash, π/2z + 2x tan α_n/z + inv α_t, rad.
+    /// Half the angle of a tooth at the base circle without backlash, π/2z + 2x tan α_n/z ± inv α_t, rad, minus for internal
+    /// gears.
     pub fn half_angle(&self) -> f64 {
         let (teeth, tan) = (f64::from(self.teeth), self.pressure_angle.tan());
         let transverse = self.transverse_pressure_angle();
         let involute = if self.helix_angle == 0.0 { tan } else { transverse.tan() };
-        PI / (2.0 * teeth) + 2.0 * self.profile_shift * tan / teeth + involute - transverse
+        PI / (2.0 * teeth) + 2.0 * self.profile_shift * tan / teeth + self.sign() * (involute - transverse)
     }
 
     /// Length of the line of action between the base circle and the tip circle, √(tip radius² − base radius²), m.
@@ -90,14 +102,23 @@ impl Gear {
         (self.root_radius().powi(2) - self.base_radius.powi(2)).max(0.0).sqrt()
     }
 
-    /// Tip radius of full-depth teeth, m.
+    /// Tip radius r ± m (1 + x) of full-depth teeth, m; of an internal gear at least the base radius, within which its flanks
+    /// have no involute.
     pub fn full_depth_tip_radius(&self) -> f64 {
-        full_depth_tip_radius(self.pitch_radius, self.module, self.profile_shift)
+        let tip = self.pitch_radius + self.sign() * self.module * (1.0 + self.profile_shift);
+        if self.internal { tip.max(self.base_radius) } else { tip }
     }
 
     /// Root radius of full-depth teeth, m.
     pub fn root_radius(&self) -> f64 {
-        self.pitch_radius - self.module * (STANDARD_DEDENDUM - self.profile_shift)
+        self.pitch_radius - self.sign() * self.module * (STANDARD_DEDENDUM - self.profile_shift)
+    }
+
+    /// Radii of the body whose mass and inertias are the defaults: a disk of the reference circle, or the ring from the
+    /// reference circle of an internal gear to its rim, m.
+    pub(super) fn body_radii(&self) -> [f64; 2] {
+        let rim = || self.root_radius() + STANDARD_RIM * self.module;
+        if self.internal { [self.pitch_radius, rim()] } else { [0.0, self.pitch_radius] }
     }
 }
 
@@ -135,33 +156,41 @@ fn gear(given: &description::Gear, names: &Names, shafts: &[Shaft], at: &EntryPa
     let transverse = transverse_pressure_angle(pressure_angle, helix_angle);
     let (module, base_radius) = module_and_base_radius(given, module_given, transverse, helix_angle.cos(), at)?;
     let pitch_radius = module / helix_angle.cos() * f64::from(given.teeth) / 2.0;
-    let full_depth = full_depth_tip_radius(pitch_radius, module, profile_shift);
-    let tip_radius = optional(given.tip_radius, "tip_radius", at)?.unwrap_or(full_depth);
-    if tip_radius <= base_radius {
-        let message = format!("{tip_radius} m leaves no tooth above the base radius of {base_radius} m");
-        return Err(at.field("tip_radius").error(message));
-    }
-    let face_width = optional(given.face_width, "face_width", at)?;
-    let body = body(given, pitch_radius, face_width, names, shafts, at)?;
-    Ok(Gear {
-        body,
+    let mut gear = Gear {
+        body: Body {
+            name: given.name.clone(),
+            node: names.node(shafts, &given.shaft, given.position, at)?,
+            ..Body::default()
+        },
         teeth: given.teeth,
+        internal: given.internal,
         base_radius,
         pitch_radius,
-        tip_radius,
+        tip_radius: 0.0,
         module,
         pressure_angle,
         helix_angle,
         profile_shift,
-        face_width,
+        face_width: optional(given.face_width, "face_width", at)?,
         rack: module_given.map(|module| (module, pressure_angle)),
         runout: complex(given.runout, &at.field("runout"))?,
-    })
-}
-
-/// Tip radius r + m (1 + x) of full-depth teeth, m.
-fn full_depth_tip_radius(pitch_radius: f64, module: f64, profile_shift: f64) -> f64 {
-    pitch_radius + module * (1.0 + profile_shift)
+    };
+    gear.tip_radius = optional(given.tip_radius, "tip_radius", at)?.unwrap_or(gear.full_depth_tip_radius());
+    let (tip_radius, root_radius) = (gear.tip_radius, gear.root_radius());
+    let problem = if gear.internal {
+        let inside =
+            || format!("{tip_radius} m is inside the base circle of {base_radius} m, where flanks have no involute");
+        let outside = || format!("{tip_radius} m leaves no tooth inside the root radius of {root_radius} m");
+        if tip_radius < base_radius { Some(inside()) } else { (tip_radius >= root_radius).then(outside) }
+    } else {
+        (tip_radius <= base_radius)
+            .then(|| format!("{tip_radius} m leaves no tooth above the base radius of {base_radius} m"))
+    };
+    if let Some(message) = problem {
+        return Err(at.field("tip_radius").error(message));
+    }
+    set_body(&mut gear, given, at)?;
+    Ok(gear)
 }
 
 fn optional(value: Option<f64>, name: &str, at: &EntryPath) -> Result<Option<f64>, SceneError> {
@@ -199,23 +228,18 @@ fn module_and_base_radius(
     }
 }
 
-/// Rigid body of a gear. Missing mass and inertia are those of a solid steel disk with the pitch radius.
-fn body(
-    given: &description::Gear,
-    pitch_radius: f64,
-    face_width: Option<f64>,
-    names: &Names,
-    shafts: &[Shaft],
-    at: &EntryPath,
-) -> Result<Body, SceneError> {
+/// Sets mass, inertias and unbalance of a gear. Missing mass and inertia are those of a solid steel disk with the pitch radius,
+/// of an internal gear those of a steel ring.
+fn set_body(gear: &mut Gear, given: &description::Gear, at: &EntryPath) -> Result<(), SceneError> {
     let needs_width = |name: &str| at.error(format!("needs face_width, or {name}"));
-    let square = pitch_radius * pitch_radius;
-    let mass = match (given.mass, face_width) {
+    let [inner, outer] = gear.body_radii().map(|radius| radius * radius);
+    let (area, square) = (outer - inner, outer + inner);
+    let mass = match (given.mass, gear.face_width) {
         (Some(mass), _) => at.field("mass").non_negative(mass)?,
-        (None, Some(width)) => STEEL.density * PI * square * width,
+        (None, Some(width)) => STEEL.density * PI * area * width,
         (None, None) => return Err(needs_width("mass")),
     };
-    let diametral_inertia = match (given.diametral_inertia, face_width) {
+    let diametral_inertia = match (given.diametral_inertia, gear.face_width) {
         (Some(inertia), _) => at.field("diametral_inertia").non_negative(inertia)?,
         (None, Some(width)) => mass * (3.0 * square + width * width) / 12.0,
         (None, None) => return Err(needs_width("diametral_inertia")),
@@ -224,12 +248,7 @@ fn body(
         Some(inertia) => at.field("polar_inertia").non_negative(inertia)?,
         None => mass * square / 2.0,
     };
-    Ok(Body {
-        name: given.name.clone(),
-        node: names.node(shafts, &given.shaft, given.position, at)?,
-        mass,
-        diametral_inertia,
-        polar_inertia,
-        unbalance: complex(given.unbalance, &at.field("unbalance"))?,
-    })
+    let unbalance = complex(given.unbalance, &at.field("unbalance"))?;
+    gear.body = Body { mass, diametral_inertia, polar_inertia, unbalance, ..gear.body.clone() };
+    Ok(())
 }

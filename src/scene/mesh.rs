@@ -1,7 +1,7 @@
 //! Pairs of gears in mesh: checks that the gears fit, their distance, teeth and damping.
 
 use super::centre_distance::{check_play, default_distance, largest_tip_radius};
-use super::contact::{check_contact, check_undercut};
+use super::contact::{PairGeometry, check_contact, check_undercut};
 use super::description::{self, SceneDescription};
 use super::gear::PUBLISHED_DATA_TOLERANCE;
 use super::{EntryPath, Gear, SceneError, Shaft, Teeth, nearest};
@@ -35,6 +35,8 @@ pub struct Mesh {
     pub centre_line_angle: f64,
     /// Centre distance C₀ at rest, m.
     pub centre_distance: f64,
+    /// Angle of the drive flank of a tooth of the driver on its base circle at the time zero, rad.
+    pub tooth_angle: f64,
 }
 
 /// The gears of a mesh and their centre distance.
@@ -111,14 +113,17 @@ fn pair(
             given.driver, given.driven
         )));
     }
+    check_sizes(a, b, at)?;
     check_racks(a, b, at, warnings)?;
     let centre_distance = match given.centre_distance {
         Some(distance) => at.field("centre_distance").positive(distance)?,
         None => default_distance([a, b], at)?,
     };
-    let base_circles = a.base_radius + b.base_radius;
+    let lengths = PairGeometry::of([a, b]);
+    let base_circles = lengths.base_circles().abs();
     if centre_distance <= base_circles {
-        let message = format!("{centre_distance} m is not above the sum of the base radii, {base_circles} m");
+        let of = if lengths.base_radius[1] < 0.0 { "difference" } else { "sum" };
+        let message = format!("{centre_distance} m is not above the {of} of the base radii, {base_circles} m");
         return Err(at.field("centre_distance").error(message));
     }
     Ok(Pair { driver, driven, centre_distance })
@@ -129,17 +134,19 @@ fn shorten_tips(system: &SceneDescription, pairs: &[Pair], gears: &mut [Gear]) -
     for (index, pair) in pairs.iter().enumerate() {
         for (own, other) in [(pair.driver, pair.driven), (pair.driven, pair.driver)] {
             let largest = largest_tip_radius(&gears[own], &gears[other], pair.centre_distance);
-            if system.gears[own].tip_radius.is_some() || largest >= gears[own].tip_radius {
+            let gear = &gears[own];
+            if system.gears[own].tip_radius.is_some() || largest >= gear.sign() * gear.tip_radius {
                 continue;
             }
-            if largest <= gears[own].base_radius {
+            let least = if gear.internal { -gear.root_radius() } else { gear.base_radius };
+            if largest <= least {
                 return Err(EntryPath::entry("meshes", index).field("centre_distance").error(format!(
                     "at {} m, the root circle of \"{}\" leaves no tooth above the base circle of \"{}\"; use a larger \
                      centre_distance or a smaller profile_shift, or give tip_radius",
                     pair.centre_distance, gears[other].body.name, gears[own].body.name
                 )));
             }
-            gears[own].tip_radius = largest;
+            gears[own].tip_radius = largest.abs();
         }
     }
     Ok(())
@@ -168,9 +175,20 @@ fn mesh(
         (None, ratio) => Damping::Ratio(at.field("damping_ratio").non_negative(ratio.unwrap_or(0.0))?),
     };
     let centre_line_angle = at.field("centre_line_angle").finite(given.centre_line_angle.unwrap_or(0.0))?;
+    let tooth_angle = at.field("tooth_angle").finite(given.tooth_angle.unwrap_or(0.0))?;
     let damping_in_separation = given.damping_in_separation.unwrap_or(false);
     let loss_factor = at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?;
-    Ok(Mesh { driver, driven, teeth, damping, damping_in_separation, loss_factor, centre_line_angle, centre_distance })
+    Ok(Mesh {
+        driver,
+        driven,
+        teeth,
+        damping,
+        damping_in_separation,
+        loss_factor,
+        centre_line_angle,
+        centre_distance,
+        tooth_angle,
+    })
 }
 
 /// Refuses gears of different modules, pressure angles, base pitches or helix angles.
@@ -204,14 +222,42 @@ fn check_racks(a: &Gear, b: &Gear, at: &EntryPath, warnings: &mut Vec<String>) -
     Ok(())
 }
 
-/// Refuses helices that do not fit: external gears need opposite hands of the same angle.
-fn check_hands(a: &Gear, b: &Gear, at: &EntryPath) -> Result<(), SceneError> {
-    let (first, second) = (a.helix_angle, b.helix_angle);
-    if (first + second).abs() <= EQUALITY_TOLERANCE * first.abs().max(second.abs()) {
+/// Refuses two internal gears, and an internal gear that is not larger than its pinion.
+fn check_sizes(a: &Gear, b: &Gear, at: &EntryPath) -> Result<(), SceneError> {
+    let (first, second) = (a.body.name.as_str(), b.body.name.as_str());
+    let [pinion, ring] = match (a.internal, b.internal) {
+        (false, false) => return Ok(()),
+        (true, true) => {
+            return Err(
+                at.error(format!("cannot mesh: \"{first}\" and \"{second}\" are both internal; one must be external"))
+            );
+        }
+        (true, false) => [b, a],
+        (false, true) => [a, b],
+    };
+    if ring.teeth > pinion.teeth && ring.base_radius > pinion.base_radius {
         return Ok(());
     }
     Err(at.error(format!(
-        "cannot mesh: \"{}\" has helix_angle {first} rad, \"{}\" {second} rad; external gears need opposite hands of the same angle: give \"{}\" helix_angle={}",
-        a.body.name, b.body.name, b.body.name, -first
+        "cannot mesh: the internal gear \"{}\" needs more teeth than \"{}\", got {} and {}",
+        ring.body.name, pinion.body.name, ring.teeth, pinion.teeth
+    )))
+}
+
+/// Refuses helices that do not fit: external gears need opposite hands of the same angle, an internal gear has the hand of its
+/// pinion.
+fn check_hands(a: &Gear, b: &Gear, at: &EntryPath) -> Result<(), SceneError> {
+    let (first, second, sign) = (a.helix_angle, b.helix_angle, -a.sign() * b.sign());
+    if (first - sign * second).abs() <= EQUALITY_TOLERANCE * first.abs().max(second.abs()) {
+        return Ok(());
+    }
+    let need = if sign < 0.0 {
+        "external gears need opposite hands"
+    } else {
+        "an internal gear and its pinion need the same hand"
+    };
+    Err(at.error(format!(
+        "cannot mesh: \"{}\" has helix_angle {first} rad, \"{}\" {second} rad; {need} of the same angle: give \"{}\" helix_angle={}",
+        a.body.name, b.body.name, b.body.name, sign * first
     )))
 }

@@ -50,7 +50,7 @@ pub use bearing::Bearing;
 pub use bow::{Bow, BowCurve};
 #[cfg(feature = "python")]
 pub(crate) use catalogue::estimate;
-pub(crate) use contact::path_of_contact;
+pub(crate) use contact::PairGeometry;
 pub use curve::Curve;
 pub use description::Rupture;
 pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};
@@ -83,7 +83,7 @@ pub const STANDARD_GRAVITY: f64 = 9.806_65;
 pub const MAX_ELEMENTS: usize = 50_000;
 
 /// A node of a shaft, or the centre of mass of a housing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node {
     /// Index of the shaft. A housing counts as a shaft with one node; its index follows those of the shafts.
     pub shaft: usize,
@@ -92,7 +92,7 @@ pub struct Node {
 }
 
 /// A rigid body on a shaft: a disk or a gear.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Body {
     /// Name.
     pub name: String,

@@ -127,6 +127,13 @@ impl Given<'_> {
         shaft_radii: [f64; 2],
         warnings: &mut Vec<String>,
     ) -> Result<StiffnessModel, SceneError> {
+        if let Some(ring) = self.pair.iter().find(|gear| gear.internal) {
+            let message = format!(
+                "describes external teeth, and \"{}\" is internal; use iso6336, square, parabolic, table or fourier",
+                ring.body.name
+            );
+            return Err(self.at.field("model").error(message));
+        }
         let radii = self.model.bore_radii.unwrap_or(shaft_radii);
         let list = self.at.field("bore_radii");
         for (index, (radius, gear)) in radii.iter().zip(self.pair).enumerate() {

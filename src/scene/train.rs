@@ -8,11 +8,12 @@ use super::place::Names;
 use super::{Coupling, EntryPath, Gear, Mesh, Scene, SceneError, Shaft, Torque};
 use crate::numerics::EQUALITY_TOLERANCE;
 
-/// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b.
+/// Signed speed of each shaft relative to the reference shaft. Each external mesh multiplies it by −z_a/z_b, each mesh with an
+/// internal gear by z_a/z_b.
 pub(super) fn speed_ratios(system: &SceneDescription, names: &Names, train: Train<'_>) -> Result<Vec<f64>, SceneError> {
     let Train { gears, meshes, couplings } = train;
     let reference = reference(system, names)?;
-    let teeth = |gear: usize| f64::from(gears[gear].teeth);
+    let teeth = |gear: usize| gears[gear].sign() * f64::from(gears[gear].teeth);
     let mut ratios = vec![None; system.shafts.len()];
     connect(&mut ratios, Known { shaft: reference, ratio: 1.0 }, train, teeth);
     for (shaft, given) in system.shafts.iter().enumerate() {
@@ -145,7 +146,9 @@ impl Scene {
 /// Rotation of each shaft in the rigid-body rotation that turns shaft `start` by 1; None if nothing connects them.
 fn rotations_by_radius(shafts: usize, start: usize, train: Train<'_>) -> Vec<Option<f64>> {
     let mut rotations = vec![None; shafts];
-    connect(&mut rotations, Known { shaft: start, ratio: 1.0 }, train, |gear| train.gears[gear].base_radius);
+    connect(&mut rotations, Known { shaft: start, ratio: 1.0 }, train, |gear| {
+        train.gears[gear].sign() * train.gears[gear].base_radius
+    });
     rotations
 }
 
@@ -156,7 +159,7 @@ struct Known {
 }
 
 /// Sets the speed ratios of a shaft and of all shafts that meshes and couplings connect to it. `size` of a gear is its number of
-/// teeth or its base radius.
+/// teeth or its base radius, negative for an internal gear.
 fn connect(
     ratios: &mut [Option<f64>],
     Known { shaft, ratio }: Known,

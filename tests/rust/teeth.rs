@@ -388,7 +388,8 @@ fn pair_compliance_is_the_sum_of_both_teeth_and_their_contact() {
 /// from the beginning.
 fn path(length: f64, place: f64) -> ContactPath {
     let high = 4e-3 + length * 9e-3;
-    ContactPath { position: 4e-3 + place * 9e-3, tangent: high + 1e-2, low: 4e-3, high, pitch: 9e-3, overlap: 0.0 }
+    let (tangent, position) = (high + 1e-2, 4e-3 + place * 9e-3);
+    ContactPath { position, tangent, low: 4e-3, high, limits: [0.0, tangent], pitch: 9e-3, overlap: 0.0 }
 }
 
 /// The same pairs after the length of the line of action increases by `by`. An end of the path moves with it if the tip
@@ -396,7 +397,8 @@ fn path(length: f64, place: f64) -> ContactPath {
 fn opened(path: ContactPath, by: f64) -> ContactPath {
     let moved = |end: f64, follows: bool| if follows { end + by } else { end };
     let ContactPath { tangent, low, high, .. } = path;
-    ContactPath { tangent: tangent + by, low: moved(low, low > 0.0), high: moved(high, high == tangent), ..path }
+    let (low, high) = (moved(low, low > 0.0), moved(high, high == tangent));
+    ContactPath { tangent: tangent + by, limits: [0.0, tangent + by], low, high, ..path }
 }
 
 proptest! {
@@ -420,6 +422,7 @@ proptest! {
         if ends_at_base {
             at.tangent = at.high;
         }
+        at.limits[1] = at.tangent;
         let stored = |at: ContactPath, deflection: f64| teeth.elastic_state(|| at, (0, 0), deflection);
         let here = stored(at, deflection);
         // On a short path the ramps overlap, so both ends affect a pair at the same time.

@@ -84,6 +84,11 @@ class _Teeth:
     def at(self) -> str:
         return f"{self.mesh.driver}/{self.mesh.driven}"
 
+    @property
+    def base_circles(self) -> float:
+        """Sum of the base radii [m]; negative if a gear is internal."""
+        return sum(self.geometry["base_radii"])
+
     def distance(self, values: Array) -> Array:
         """Give the centre distance [m]."""
         angle, rest = self.mesh.centre_line_angle, self.geometry["centre_distance"]
@@ -92,9 +97,9 @@ class _Teeth:
         return distance
 
     def tangent(self, values: Array) -> Array:
-        """Give C sin α [m], zero where the base circles overlap."""
-        squares = self.distance(values) ** 2 - sum(self.geometry["base_radii"]) ** 2
-        tangent: Array = np.sqrt(np.maximum(squares, 0.0))
+        """Give C sin α [m], zero where the base circles overlap; negative if a gear is internal."""
+        squares = self.distance(values) ** 2 - self.base_circles**2
+        tangent: Array = np.copysign(np.sqrt(np.maximum(squares, 0.0)), self.base_circles)
         return tangent
 
     @property
@@ -105,14 +110,14 @@ class _Teeth:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """√(tip radius² − base radius²) of both gears [m]."""
+        """√(tip radius² − base radius²) of both gears [m]; negative for an internal gear."""
         radii = zip(self.geometry["tip_radii"], self.geometry["base_radii"], strict=True)
-        first, second = (math.sqrt(tip**2 - base**2) for tip, base in radii)
+        first, second = (math.copysign(math.sqrt(tip**2 - base**2), tip) for tip, base in radii)
         return first, second
 
     def gap(self, values: Array) -> Array:
         """Give the distance of the back flanks along the line of action [m]."""
-        total = sum(self.geometry["base_radii"])
+        total = self.base_circles
         slope, rest = self.tangent(values) / total, math.tan(self.geometry["pressure_angle"])
         longer = total * (slope - np.arctan(slope) - rest + math.atan(rest))
         backlash = self.mesh.backlash or 0.0
@@ -122,19 +127,25 @@ class _Teeth:
     def tips(self, values: Array) -> Array:
         """Give the smaller clearance of a tip and the root of the other gear [m]."""
         tips, roots = self.geometry["tip_radii"], self.geometry["root_radii"]
-        return self.distance(values) - max(tips[0] + roots[1], tips[1] + roots[0])
+        distance = np.copysign(self.distance(values), self.base_circles)
+        clearance: Array = distance - max(tips[0] + roots[1], tips[1] + roots[0])
+        return clearance
 
     def involutes(self, values: Array) -> Array:
         """Give the distance of the tips from the ends of the involutes along the path [m]."""
-        return self.tangent(values) - max(self.reach)
+        reach = max(self.reach) if self.base_circles > 0.0 else min(self.reach)
+        return self.tangent(values) - reach
 
     def contact_ratio(self, values: Array) -> Array:
         """Give the contact ratio, of helical teeth the total one."""
         tangent, (first, second) = self.tangent(values), self.reach
-        path = np.minimum(first, tangent) - np.maximum(tangent - second, 0.0)
+        if self.base_circles > 0.0:
+            path = np.minimum(first, tangent) - np.maximum(tangent - second, 0.0)
+        else:
+            path = max(self.reach) - np.maximum(tangent - min(self.reach), 0.0)
         width = min(gear.face_width or 0.0 for gear in self.gears)
         sine = abs(math.sin(self.gears[0].helix_angle)) * math.cos(self.gears[0].pressure_angle)
-        pitch = 2.0 * math.pi * self.geometry["base_radii"][0] / self.gears[0].teeth
+        pitch = 2.0 * math.pi * abs(self.geometry["base_radii"][0]) / self.gears[0].teeth
         ratio: Array = (path + width * sine / self.base_helix_cosine) / pitch
         return ratio
 
@@ -228,7 +239,7 @@ def _ratio_check(teeth: _Teeth, least: float) -> Check:
 def _geometric(limit: str, teeth: _Teeth, value: Callable[[Array], Array], why: str) -> Check:
     """Give a limit of the motion of the teeth, sought until the base circles overlap."""
     moved = sum(float(np.abs(unit[:, :2]).max()) for unit in teeth.motion.units)
-    shortest = teeth.geometry["centre_distance"] - sum(teeth.geometry["base_radii"])
+    shortest = teeth.geometry["centre_distance"] - abs(teeth.base_circles)
     if moved < _MIN_MOTION:
         why = f"the bow moves these gears by less than {_MIN_MOTION:g} of its size"
         return Check(limit, teeth.at, why)

@@ -196,6 +196,9 @@ class Gear(_Body):
         Position on the shaft, from its left end [m].
     teeth : int
         Number of teeth.
+    internal : bool
+        Whether the teeth point inwards: a ring gear, which turns in the same direction as its
+        pinion.
     module : float
         Module [m], of a helical gear the normal module; give either this or `base_radius`.
     base_radius : float
@@ -206,16 +209,20 @@ class Gear(_Body):
         Pressure angle of the basic rack [rad], which is that in the normal section.
     helix_angle : float
         Helix angle on the reference circle [rad], positive for a right-hand helix; gears in mesh
-        have opposite hands of the same angle. A spur gear has 0.
+        have opposite hands of the same angle, an internal gear has the hand of its pinion. A spur
+        gear has 0.
     profile_shift : float
         Profile shift coefficient x; needs `module`. Meshes without `centre_distance` place the
-        centres so that the flanks have no play.
+        centres so that the flanks have no play. That of an internal gear has the sign of ISO 21771:
+        a positive one moves the tips inwards.
     tip_radius : float
-        Tip radius [m]; the default is that of full-depth teeth, r + m (1 + x), shortened where the
-        profile shifts would leave a tip clearance below 0.1 module.
+        Tip radius [m]; the default is that of full-depth teeth, r + m (1 + x) or, of an internal
+        gear, r − m (1 + x), shortened where the profile shifts would leave a tip clearance below
+        0.1 module, or where an internal gear would reach beyond the base circle of its pinion.
     mass : float
         Mass [kg]; the defaults of mass and inertias are those of a solid steel disk with the
-        diameter of the pitch circle.
+        diameter of the pitch circle, of an internal gear those of a steel ring from the pitch
+        circle to 3.5 modules outside the root circle.
     diametral_inertia : float
         Moment of inertia about a diameter [kg m²].
     polar_inertia : float
@@ -237,6 +244,7 @@ class Gear(_Body):
     position: float
     teeth: int
     _: KW_ONLY
+    internal: bool = False
     module: float | None = None
     base_radius: float | None = None
     face_width: float | None = None
@@ -279,9 +287,13 @@ class Mesh(Part):
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
+    tooth_angle : float
+        Angle of a tooth of the driver at the time zero [rad]: that of its drive flank on the base
+        circle. It sets the phase of the mesh cycle against that of other meshes.
     centre_distance : float, optional
         Distance of the centres at rest [m]; None is the one without play, which follows from the
-        profile shifts (ISO 21771). It is the sum of the reference pitch radii if they add up to 0.
+        profile shifts (ISO 21771). It is the sum of the reference pitch radii if they add up to 0,
+        with an internal gear their difference.
     backlash : float, optional
         Clearance of the flanks along the line of action, normal to the teeth, for the centres at
         rest [m]. None is a mesh that never separates: its force can be tensile.
@@ -311,6 +323,7 @@ class Mesh(Part):
     damping_in_separation: bool = False
     loss_factor: float = 0.0
     centre_line_angle: float = 0.0
+    tooth_angle: float = 0.0
     centre_distance: float | None = None
     backlash: float | None = None
     tip_relief: TipRelief | None = None

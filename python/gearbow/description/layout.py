@@ -304,7 +304,8 @@ def assumptions(
     """List the defaults of physical models that these parts use, with the parts that use them."""
     steel = [shaft.name for shaft in shafts if _uses_steel(shaft)]
     tips = [gear.name for gear in gears if gear.tip_radius is None]
-    disks = [gear.name for gear in gears if gear.mass is None]
+    disks = [gear.name for gear in gears if gear.mass is None and not gear.internal]
+    rings = [gear.name for gear in gears if gear.mass is None and gear.internal]
 
     chosen = {
         "mean stiffness of ISO 6336-1": [mesh.stiffness is None for mesh in meshes],
@@ -322,6 +323,7 @@ def assumptions(
         ("shafts", "steel with E = 207 GPa, ν = 0.3, ρ = 7850 kg/m³", steel, len(shafts)),
         ("gears", "tip radius of full-depth teeth", tips, len(gears)),
         ("gears", "mass and inertia of solid steel disks", disks, len(gears)),
+        ("gears", "mass and inertia of steel rings", rings, len(gears)),
     ]
     estimated = {
         place_label((each.shaft, each.position)): estimate.stiffness_uncertainty
@@ -399,6 +401,12 @@ class BodyOutline(Shown):
     shaft: str
     position: float
     radius: float
+    internal: bool = False
+
+    @property
+    def signed_radius(self) -> float:
+        """Radius [m], negative for an internal gear."""
+        return -self.radius if self.internal else self.radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -474,7 +482,13 @@ def layout(
         for shaft in shafts
     )
     bodies = tuple(
-        BodyOutline(body.name, body.shaft, float(body.position), reference_radius(body))
+        BodyOutline(
+            body.name,
+            body.shaft,
+            float(body.position),
+            reference_radius(body),
+            isinstance(body, Gear) and body.internal,
+        )
         for body in given
     )
     bearing_places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)

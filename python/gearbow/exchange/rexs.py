@@ -28,7 +28,6 @@ from gearbow.units.speed import RevolutionsPerMinute
 
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {
-    "ring_gear": "it has internal teeth",
     "planetary_stage": "its planets turn with a carrier",
     "bevel_gear": "gearbow has spur and helical gears on parallel shafts",
     "worm_gear": "gearbow has spur and helical gears on parallel shafts",
@@ -39,6 +38,7 @@ _REFUSED = {
 #: tools, and flank modifications below the size of the teeth.
 _KNOWN = re.compile(
     "gear_unit|gear_casing|assembly_group|material|lubricant|shaft|shaft_section|cylindrical_gear|"
+    "ring_gear|"
     "cylindrical_stage|external_load|additional_mass|(?!radial_plain).*bearing.*|rolling_element|.*coupling|"
     ".*(_flank|_geometry|gear_data|_tool|_settings|_relief|_crowning|_slope|_deviation|_twist|"
     "_modification|_data_set|_list|_curve|_point|_contact)|notch.*|.*groove|v_notch|shaft_shoulder.*|"
@@ -315,7 +315,8 @@ class _Train:
     def description(self) -> dict[str, Any]:
         """Describe everything but bearings, couplings and loads."""
         shafts = [self._shaft(placed) for placed in self.placed.values()]
-        gears = [self._gear(gear) for gear in self._of_kind("cylindrical_gear")]
+        kinds = ("cylindrical_gear", "ring_gear")
+        gears = [self._gear(gear) for kind in kinds for gear in self._of_kind(kind)]
         by_name = {gear["name"]: gear for gear in gears}
         if self._without_material:
             names = ", ".join(f'"{name}"' for name in self._without_material)
@@ -362,18 +363,20 @@ class _Train:
 
     def _gear(self, gear: Component) -> dict[str, Plain]:
         placed = self._on(gear)
+        # The numbers of teeth and diameters of an internal gear may be negative, as in ISO 21771.
         teeth = gear.count("number_of_teeth")
-        if teeth < 0:
-            raise gear.error(f"number_of_teeth: gearbow has no internal teeth, got {teeth}")
+        internal = teeth < 0 or gear.kind == "ring_gear"
         name = self._gear_names[gear.id] = self._named(gear)
         module = gear.number("normal_module", "module")
         found: dict[str, Plain] = {
             "name": name,
             "shaft": placed.name,
             "position": self.shafts.locate(gear, placed, "u_coordinate_on_shaft"),
-            "teeth": teeth,
+            "teeth": abs(teeth),
             "module": module,
         }
+        if internal:
+            found["internal"] = True
         if gear.has("face_width"):
             found["face_width"] = gear.number("face_width", "face_width")
         helix = gear.number("helix_angle_reference_diameter", "helix_angle", 0.0)
@@ -384,9 +387,9 @@ class _Train:
         if shift != 0.0:
             found["profile_shift"] = shift
         if gear.has("tip_diameter"):
-            tip = 0.5 * gear.number("tip_diameter", "outer_diameter")
+            tip = 0.5 * abs(gear.number("tip_diameter", "outer_diameter"))
             transverse = math.atan2(math.tan(pressure), math.cos(helix))
-            base = 0.5 * teeth * module * math.cos(transverse) / math.cos(helix)
+            base = 0.5 * abs(teeth) * module * math.cos(transverse) / math.cos(helix)
             if tip > base:
                 found["tip_radius"] = tip
             else:
@@ -434,7 +437,7 @@ class _Train:
         first, second = (self._on(gear) for gear in pair)
         driver, driven = (self._gear_names[gear.id] for gear in pair)
         found: dict[str, Plain] = {"driver": driver, "driven": driven}
-        distance = stage.number("center_distance", "centre_distance", 0.0)
+        distance = abs(stage.number("center_distance", "centre_distance", 0.0))
         angle = None
         if stage.has("rotating_angle_around_neg_u_axis"):
             turn = stage.number("rotating_angle_around_neg_u_axis", "phase")

@@ -216,7 +216,10 @@ class _Writer:
         if module is None:
             transverse = math.atan2(math.tan(pressure), math.cos(helix))
             module = 2.0 * base * math.cos(helix) / (teeth * math.cos(transverse))
-        self._text(component, "number_of_teeth", str(teeth))
+        # As in ISO 21771, an internal gear has a negative number of teeth.
+        self._text(
+            component, "number_of_teeth", str(-teeth if gear.pop("internal", False) else teeth)
+        )
         self._number(component, "normal_module", module, "mm")
         self._number(component, "helix_angle_reference_diameter", helix, "deg")
         if "face_width" in gear:

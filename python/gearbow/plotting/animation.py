@@ -148,9 +148,11 @@ class _Line:
             motion.train.layout.shaft(body.shaft).origin[1:] + factor * motion.centres[body.name]
             for body in pair
         )
-        pitch = a + (b - a) * pair[0].radius / (pair[0].radius + pair[1].radius)
+        radii = [body.signed_radius for body in pair]
+        pitch = a + (b - a) * radii[0] / sum(radii)
         sense = float(np.sign(motion.train.ratios[pair[0].shaft] * (motion.speed[0] or 1.0)))
-        way = views.line_of_action(mesh.pressure_angle, mesh.centre_line_angle, sense)
+        leaning = -mesh.pressure_angle if pair[0].internal else mesh.pressure_angle
+        way = views.line_of_action(leaning, mesh.centre_line_angle, sense)
         reach = 0.9 * min(body.radius for body in pair)
         self._ends = np.stack([pitch - reach * way, pitch + reach * way], axis=1)
         self._middle = pitch

@@ -200,7 +200,7 @@ def width(train: Train, body: BodyOutline) -> float:
     part = next(p for p in (*train.parts["gears"], *train.parts["disks"]) if p.name == body.name)
     if not isinstance(part, Disk) and part.face_width is not None:
         return float(part.face_width)
-    if part.mass is None or body.radius == 0.0:
+    if part.mass is None or body.radius == 0.0 or body.internal:
         return 0.3 * body.radius
     return float(part.mass / (_STEEL * np.pi * body.radius**2))
 

@@ -379,13 +379,18 @@ def _mesh(labels: Labels, train: Train, mesh: Mesh, gears: Mapping[str, Gear]) -
     angle = gears[mesh.driver].pressure_angle
     helix = gears[mesh.driver].helix_angle
     transverse = np.arctan(np.tan(angle) / np.cos(helix))
-    base = [body.radius * np.cos(transverse) for body in pair]
-    alpha = np.arccos(min(1.0, sum(base) / distance))
+    base = [body.signed_radius * np.cos(transverse) for body in pair]
+    alpha = np.arccos(min(1.0, abs(sum(base)) / distance))
     sense = float(np.sign(train.ratios[pair[0].shaft]))
     gamma = mesh.centre_line_angle
-    way = line_of_action(np.float64(alpha), np.float64(gamma), sense)
+    # The line of an internal driver leans the other way; an internal gear lies behind the pinion.
+    leaning = -alpha if pair[0].internal else alpha
+    way = line_of_action(np.float64(leaning), np.float64(gamma), sense)
+    way = -way if pair[1].internal else way
     pitch = a + offset * base[0] / sum(base)
-    ends = np.array([pitch - base[0] * np.tan(alpha) * way, pitch + base[1] * np.tan(alpha) * way])
+    internal = pair[0].internal or pair[1].internal
+    arms = [min(map(abs, base))] * 2 if internal else base
+    ends = np.array([pitch - arms[0] * np.tan(alpha) * way, pitch + arms[1] * np.tan(alpha) * way])
     long = np.array([pitch - 0.4 * distance * way, pitch + 0.4 * distance * way])
     panel.plot(*long.T, color="black", linewidth=1.0, linestyle="--", zorder=7.0)
     symbols.arrow(panel, ends, head=9.0)

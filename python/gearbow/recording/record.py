@@ -487,6 +487,8 @@ class MeshScene(Shown):
     centre_distance: float
     pressure_angle: float
     base_helix_cosine: float
+    #: Whether a gear is internal, so that the clearance of the flanks shrinks with the distance.
+    internal: bool
     frozen: bool
 
     @classmethod
@@ -502,6 +504,7 @@ class MeshScene(Shown):
             at_rest["centre_distance"],
             at_rest["pressure_angle"],
             math.sqrt(1.0 - (math.sin(gear.helix_angle) * math.cos(gear.pressure_angle)) ** 2),
+            sum(at_rest["base_radii"]) < 0.0,
             request.options.get("geometry") == "frozen",
         )
 
@@ -513,7 +516,8 @@ class MeshScene(Shown):
         else:
             involute = math.tan(angle) - angle - math.tan(rest) + rest
             longer = distance * math.cos(angle) * involute
-        return -at["deflection"] - (self.backlash or 0.0) - 2.0 * longer * self.base_helix_cosine
+        wider = -2.0 * longer if self.internal else 2.0 * longer
+        return -at["deflection"] - (self.backlash or 0.0) - wider * self.base_helix_cosine
 
 
 def _changes(events: Sequence[Event]) -> tuple[Array, list[Contact]]:

@@ -1,12 +1,14 @@
 """The rotor system: its parts and options, files, variants, and all its analyses."""
 
+import math
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from gearbow._convert import copied, nested, showing, shown, text, truth
-from gearbow._core import Model
+from gearbow._core import Model, mesh_geometry
 from gearbow._files import check_name, replacing
 from gearbow._lookup import CheckedKeywords, nearest
 from gearbow._shown import Shown, Table, listed
@@ -20,6 +22,7 @@ from gearbow.description.layout import assumptions
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
+from gearbow.description.planetary import PlanetaryStage, expanded, tooth_angles
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.description.time_series import (
@@ -123,6 +126,8 @@ class RotorSystem(CheckedKeywords, Shown):
         Sleeves around shafts.
     notches : sequence of Notch
         Notches of shafts, which only `stresses` depends on.
+    planetary_stages : sequence of PlanetaryStage
+        Planetary stages. Their planets, meshes and bearings are added to the parts above.
     reference : str, optional
         Name of the reference shaft, whose speed all speeds refer to; None is the first.
     modal_damping : float, mapping or callable, optional
@@ -246,6 +251,7 @@ class RotorSystem(CheckedKeywords, Shown):
         forces: Sequence[Force] = (),
         sleeves: Sequence[Sleeve] = (),
         notches: Sequence[Notch] = (),
+        planetary_stages: Sequence[PlanetaryStage] = (),
         reference: str | None = None,
         modal_damping: "float | Mapping[Any, Any] | Callable[[Any], Any] | None" = None,
         rayleigh: tuple[float, float] | None = None,
@@ -257,6 +263,12 @@ class RotorSystem(CheckedKeywords, Shown):
     ) -> None:
         lists: tuple[Sequence[Part], ...] = (shafts, gears, meshes, bearings, torques, disks)
         lists = (*lists, supports, housings, couplings, drives, forces, sleeves, notches)
+        stages = parts(planetary_stages, PlanetaryStage, "planetary_stages")
+        if stages:
+            added = expanded(stages, parts(shafts, Shaft, "shafts"), parts(gears, Gear, "gears"))
+            lists = tuple(
+                (*given, *added.get(key, ())) for key, given in zip(PARTS, lists, strict=True)
+            )
         options = {
             "reference": reference,
             "modal_damping": modal_damping,
@@ -270,7 +282,28 @@ class RotorSystem(CheckedKeywords, Shown):
         plain = self._read(lists, options)
         with showing(plain):
             self._model = Model(plain)
+        if stages:
+            lists = tuple(
+                self._phased(stages) if kind is Mesh else given
+                for kind, given in zip(PARTS.values(), lists, strict=True)
+            )
+            self._model = Model(self._read(lists, options))
         _warn(self._model)
+
+    def _phased(self, stages: Sequence[PlanetaryStage]) -> tuple[Mesh, ...]:
+        """Give the meshes with the phases of the teeth of planets."""
+        pairs = [(mesh.driver, mesh.driven) for mesh in self.meshes]
+        geometry = dict(zip(pairs, mesh_geometry(self._model.description()), strict=True))
+        gears = {gear.name: gear for gear in self.gears}
+        signs = [math.copysign(1.0, ratio) for ratio in self.speed_ratios]
+        senses = {shaft.name: sign for shaft, sign in zip(self.shafts, signs, strict=True)}
+        found: dict[tuple[str, str], float] = {}
+        for stage in stages:
+            found |= tooth_angles(stage, self.meshes, geometry, gears, senses)
+        return tuple(
+            replace(mesh, tooth_angle=found[pair]) if pair in found else mesh
+            for pair, mesh in zip(pairs, self.meshes, strict=True)
+        )
 
     def _read(
         self, lists: Sequence[Sequence[Part]], options: Mapping[str, object]

@@ -61,6 +61,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "pressure_angle": "rad",
     "helix_angle": "rad",
     "centre_line_angle": "rad",
+    "tooth_angle": "rad",
     "centre_distance": "m",
     "backlash": "m",
     "amount": "m",

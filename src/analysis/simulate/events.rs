@@ -10,6 +10,7 @@ use crate::integrate::Trajectory;
 use crate::mesh::{Centres, ContactMode, Flank, GearMesh, Helix};
 use crate::motion::{EquationOfMotion, SourceTerms};
 use crate::numerics::ROUND_OFF;
+use crate::scene::Gear;
 
 /// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,11 +184,12 @@ impl EventRecorder {
     pub fn check(&mut self, motion: &EquationOfMotion, index: usize, elapsed: f64, centres: &Centres) {
         let pair = &motion.model().scene.meshes[index];
         let [a, b] = [pair.driver, pair.driven].map(|gear| &motion.model().scene.gears[gear]);
-        let reach = (a.tip_radius + b.root_radius()).max(b.tip_radius + a.root_radius());
+        // With the signs of ISO 21771, the distance of an internal gear is negative.
+        let signed = |own: &Gear, other: &Gear| own.sign() * own.tip_radius + other.sign() * other.root_radius();
         let now = Margins {
             elapsed,
             contact_ratio: centres.contact_ratio - 1.0,
-            tip_clearance: centres.distance - reach,
+            tip_clearance: a.sign() * b.sign() * centres.distance - signed(a, b).max(signed(b, a)),
             involute_clearance: centres.involute_clearance,
         };
         let before = self.margins[index].replace(now);

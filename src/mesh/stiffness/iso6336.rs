@@ -20,10 +20,11 @@ const N_PER_MM_UM: f64 = 1e9;
 
 /// Stiffness of a pair of solid gears; the gear blank and basic rack factors C_R and C_B are 1. Helical gears have the virtual
 /// numbers of teeth z/cos³β, and cos β converts the stiffness to the transverse section; `contact_ratio` is the transverse
-/// one.
+/// one. An internal gear counts as a rack.
 pub fn iso6336(a: &Gear, b: &Gear, contact_ratio: f64) -> Iso6336 {
     let helix = a.helix_angle.cos();
-    let [za, zb] = [a, b].map(|gear| f64::from(gear.teeth) / helix.powi(3));
+    let virtual_teeth = |gear: &Gear| if gear.internal { f64::INFINITY } else { f64::from(gear.teeth) / helix.powi(3) };
+    let [za, zb] = [a, b].map(virtual_teeth);
     let (xa, xb) = (a.profile_shift, b.profile_shift);
     let flexibility = 0.047_23 + 0.155_51 / za + 0.257_91 / zb
         - 0.006_35 * xa

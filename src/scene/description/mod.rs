@@ -209,6 +209,9 @@ pub struct Gear {
     /// Number of teeth.
     #[serde(deserialize_with = "whole")]
     pub teeth: u32,
+    /// Whether the teeth point inwards: a ring gear.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub internal: bool,
     /// Module, m; of a helical gear the normal module.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub module: Option<f64>,
@@ -273,7 +276,11 @@ pub struct Mesh {
     /// Angle from y to the line of centres, driver to driven gear, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_line_angle: Option<f64>,
-    /// Centre distance at rest, m; by default that without play, the sum of the pitch radii without profile shift.
+    /// Angle of the drive flank of a tooth of the driver on its base circle at the time zero, rad; 0 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tooth_angle: Option<f64>,
+    /// Centre distance at rest, m; by default that without play, the sum of the pitch radii without profile shift (of a pair with
+    /// an internal gear their difference).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_distance: Option<f64>,
     /// Backlash along the line of action, m; by default the flanks never separate.

@@ -205,12 +205,17 @@ fn check_gear(given: &description::Gear, gear: &Gear, at: &EntryPath, found: &mu
     found.check(&at.field("pressure_angle"), gear.pressure_angle, &PRESSURE_ANGLE);
     found.check(&at.field("profile_shift"), gear.profile_shift, &PROFILE_SHIFT);
     if given.tip_radius.is_some() {
-        found.check(&at.field("tip_radius"), (gear.tip_radius - gear.pitch_radius) / gear.module, &GEAR_ADDENDUM);
+        found.check(
+            &at.field("tip_radius"),
+            gear.sign() * (gear.tip_radius - gear.pitch_radius) / gear.module,
+            &GEAR_ADDENDUM,
+        );
     }
     found.check(&at.field("runout"), gear.runout.norm() / gear.module, &GEAR_RUNOUT);
     if let Some(width) = gear.face_width {
         found.check(&at.field("face_width"), width / (2.0 * gear.pitch_radius), &FACE_WIDTH);
-        let volume = PI * gear.pitch_radius.powi(2) * width;
+        let [inner, outer] = gear.body_radii();
+        let volume = PI * (outer.powi(2) - inner.powi(2)) * width;
         if given.mass.is_some_and(|mass| mass > 0.0) {
             found.check(&at.field("mass"), gear.body.mass / volume, &GEAR_DENSITY);
         }
@@ -247,10 +252,11 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
     let width = pair.iter().map(|gear| gear.face_width.unwrap_or(10.0 * gear.module)).fold(f64::INFINITY, f64::min);
     found.check_angle(&at.field("centre_line_angle"), mesh.centre_line_angle);
     if let Some(distance) = given.centre_distance {
-        let radii = pair[0].pitch_radius + pair[1].pitch_radius;
+        let radii = pair.map(|gear| gear.sign() * gear.pitch_radius).iter().sum::<f64>().abs();
         found.check(&at.field("centre_distance"), distance / radii, &CENTRE_DISTANCE);
     }
-    for (gear, index) in pair.iter().zip([mesh.driver, mesh.driven]) {
+    let is_internal = pair.iter().any(|gear| gear.internal);
+    for (gear, index) in pair.iter().zip([mesh.driver, mesh.driven]).filter(|_| !is_internal) {
         let at = EntryPath::entry("gears", index);
         found.check(&at.field("tip_radius"), gear.tip_radius / mesh.centre_distance, &TIP_REACH);
     }

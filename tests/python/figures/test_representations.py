@@ -116,6 +116,10 @@ def objects() -> dict[str, object]:
         gb.Stiffness.table(1e8 + MANY),
         gb.TipRelief(1e-5, 1e-3),
         gb.MeshFriction(0.05),
+        gb.RingGear("ring", 72, "output", module=3e-3),
+        gb.PlanetaryStage(
+            "sun", "ring", 3, planet=gears[0], bearing=[gb.Bearing("pin", 0.0, stiffness=1e8)]
+        ),
         gb.TransmissionError(table=MANY),
         journal,
         gb.Pad(0.2, 2.5),

@@ -155,6 +155,21 @@ def in_mesh(name: str, make: Callable[..., Any], **more: Any) -> Callable[..., o
     )
 
 
+def star(ring: Any = "ring", **given: Any) -> gb.RotorSystem:
+    """Make a star gear."""
+    tooth = {"module": 3e-3, "face_width": 0.02}
+    wanted = {"planets": 3, "planet": gb.Gear("planet", "pin", 0.01, teeth=24, **tooth), **PLANETS}
+    return gb.RotorSystem(
+        shafts=[gb.Shaft(name, length=0.1, outer_diameter=0.03) for name in ("in", "out")],
+        gears=[
+            gb.Gear("sun", "in", 0.05, teeth=24, **tooth),
+            *([gb.Gear("ring", "out", 0.05, teeth=72, internal=True, **tooth)] * (ring == "ring")),
+        ],
+        bearings=[gb.Bearing(name, x, stiffness=1e8) for name in ("in", "out") for x in (0.0, 0.1)],
+        planetary_stages=[gb.PlanetaryStage(ring=ring, **(wanted | given))],
+    )
+
+
 def measurement() -> gb.Measurement:
     """Return a measurement beside the input shaft."""
     return gb.Measurement([10.0, 50.0, 90.0], [[1e-6], [2e-6], [3e-6]], [gb.Probe("input", 0.25)])
@@ -166,6 +181,10 @@ def identification() -> dict[str, Any]:
     return {"system": system(), "measured": measurement(), "unknowns": unknowns, "runout": False}
 
 
+PLANETS: dict[str, Any] = {
+    "sun": "sun",
+    "bearing": [gb.Bearing("pin", x, stiffness=1e8) for x in (0.0, 0.02)],
+}
 AT: dict[str, Any] = {"shaft": "input", "position": 0.0}
 PROFILE = gb.SpeedProfile.ramp(0.0, 1.0, 1.0)
 THERMAL = {"at": "g1", "gain": 1e4, "time_constant": 9.0, "shape": gb.Bow.half_sine(1e-6)}
@@ -402,6 +421,18 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, Any]]] = {
     "TipRelief": (
         in_mesh("tip_relief", gb.TipRelief, stiffness=gb.Stiffness.square(2e8)),
         {"amount": 1e-5, "length": 0.3},
+    ),
+    "RingGear": (
+        lambda **given: star(gb.RingGear(**given)),
+        {"name": "annulus", "teeth": 72, "support": "out", "position": 0.05, "module": 3e-3}
+        | {"face_width": 0.02},
+    ),
+    "PlanetaryStage": (
+        star,
+        {"ring": "ring", "planets": 3, **PLANETS}
+        | {
+            "planet": gb.Gear("planet", "pin", 0.01, teeth=24, module=3e-3, face_width=0.02),
+        },
     ),
     "MeshFriction": (in_mesh("friction", gb.MeshFriction), {"coefficient": 0.05}),
     "TransmissionError": (in_mesh("error", gb.TransmissionError), {"tooth": [(1e-6, 0.0)]}),

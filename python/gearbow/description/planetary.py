@@ -1,0 +1,390 @@
+"""Planetary stages: planets on pins of a carrier, as shafts, gears, meshes and bearings.
+
+A stage adds a short shaft for every planet, the planet on it, its two meshes and its bearings. The
+carrier stands still (star gear): it is the ground, or a housing.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, fields, replace
+from typing import Any
+
+from gearbow._convert import real, shown
+from gearbow._types import MeshGeometry
+from gearbow.description.gears import Gear, Mesh
+from gearbow.description.journal import JournalBearing
+from gearbow.description.loads import Bearing
+from gearbow.description.part import Part, freeze, parts
+from gearbow.description.rolling import RollingBearing
+from gearbow.description.shafts import Material, Shaft
+from gearbow.errors import SceneError
+
+#: Largest distance of (z_s + z_r) ψ/2π from a whole number at which teeth fit, in pitches.
+_FITTING = 1e-6
+#: Default material of pins: the planet has all the mass. A shaft of this density is massless.
+_MASSLESS = Material(youngs_modulus=207e9, density=1.0, poisson_ratio=0.3)
+
+
+@dataclass(frozen=True)
+class RingGear(Part):
+    """The ring gear of a planetary stage: an internal gear and what it stands on.
+
+    Parameters
+    ----------
+    name : str
+        Name of the gear, unique in the system.
+    teeth : int
+        Number of teeth.
+    support : str, optional
+        Name of the shaft that carries it, or of a housing; None is the ground. A ring that does not
+        stand on a shaft needs a carrier that turns.
+    position : float
+        Position on the shaft, from its left end [m].
+    module : float
+        Module [m], of a helical gear the normal module.
+    face_width : float, optional
+        Face width [m].
+    pressure_angle : float
+        Pressure angle of the basic rack [rad].
+    helix_angle : float
+        Helix angle [rad]; an internal gear has the hand of its pinion.
+    profile_shift : float
+        Profile shift coefficient; a positive one moves the tips inwards.
+    tip_radius : float, optional
+        Tip radius [m]; None is that of full-depth teeth, as in `Gear`.
+    mass : float, optional
+        Mass [kg]; None is that of a steel ring, as in `Gear`.
+    diametral_inertia : float, optional
+        Moment of inertia about a diameter [kg m²].
+    polar_inertia : float, optional
+        Moment of inertia about the axis [kg m²].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> ring = gb.RingGear("ring", 72, support="output", position=0.1, module=3e-3, face_width=0.03)
+    """
+
+    name: str
+    teeth: int
+    support: str | None = None
+    _: KW_ONLY
+    position: float = 0.0
+    module: float
+    face_width: float | None = None
+    pressure_angle: float = math.radians(20.0)
+    helix_angle: float = 0.0
+    profile_shift: float = 0.0
+    tip_radius: float | None = None
+    mass: float | None = None
+    diametral_inertia: float | None = None
+    polar_inertia: float | None = None
+
+    def _gear(self, shafts: Sequence[str], path: str) -> Gear:
+        """Give the gear on its shaft."""
+        if self.support not in shafts:
+            base = "the ground" if self.support is None else shown(self.support)
+            raise SceneError(
+                f"{path}.support: a ring on {base} does not turn, so that the carrier must, which "
+                'gearbow does not compute: give the name of a shaft, for example "'
+                + (shafts[-1] if shafts else "output")
+                + '"'
+            )
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        own |= {"shaft": own.pop("support"), "internal": True}
+        return Gear(**own)
+
+
+@dataclass(frozen=True)
+class PlanetaryStage(Part):
+    """A planetary stage whose carrier stands still: a sun, planets and a ring.
+
+    `RotorSystem(planetary_stages=...)` adds to its parts, for every planet with the number i from
+    1: the gear "planet i", named after `planet`, its shaft "planet pin i", its meshes with sun and
+    ring, and its bearings. Results, files and analyses know them as all others. The ring's speed
+    is −z_sun/z_ring of that of the sun (Willis, carrier at rest).
+
+    Parameters
+    ----------
+    sun : str
+        Name of the sun, a gear of the system.
+    ring : str or RingGear
+        The ring: the name of an internal gear of the system, or a ring gear on a shaft.
+    planets : int or sequence of float
+        Number of planets at equal angles, or their angles from y towards z [rad].
+    carrier : str, optional
+        Name of the housing that carries the pins; None is the ground. The name of a shaft is an
+        error: gearbow does not compute a carrier that turns.
+    planet : Gear
+        One planet. Its position is that on its shaft, the name of which is ignored.
+    bearing : Bearing, JournalBearing, RollingBearing or sequence of them
+        Bearings of one planet on its pin. Positions are those on the shaft of the planet; the name
+        of the shaft is ignored. Two bearings, or one with a tilting stiffness, hold a planet
+        against tilting.
+    pin : Shaft, optional
+        Shaft of one planet, after whose name those of all planets are named. None is a massless
+        steel shaft "planet pin" with the length of the face width and half of the diameter of the
+        planet.
+    sun_mesh, ring_mesh : Mesh, optional
+        Meshes of one planet, with the names of sun, planet and ring; their driver decides on the
+        direction of the power. None: the sun drives the planets, and these the ring. Line of
+        centres and phase of the teeth are set by the stage.
+    centre_distance : float, optional
+        Distance of the planets from the axis [m]. None is the one without play, if it is the same
+        in both meshes.
+
+    Raises
+    ------
+    SceneError
+        If the teeth of the planets do not fit between sun and ring at these angles, or if the
+        carrier turns.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> tooth = {"module": 2e-3, "face_width": 0.02}
+    >>> stage = gb.PlanetaryStage(
+    ...     sun="sun",
+    ...     ring=gb.RingGear("ring", 72, "output", position=0.05, **tooth),
+    ...     planets=3,
+    ...     planet=gb.Gear("planet", "pin", 0.01, teeth=24, **tooth),
+    ...     bearing=[gb.Bearing("pin", x, stiffness=1e8, damping=500.0) for x in (0.0, 0.02)],
+    ... )
+    >>> system = gb.RotorSystem(
+    ...     shafts=[gb.Shaft(n, length=0.1, outer_diameter=0.02) for n in ("input", "output")],
+    ...     gears=[gb.Gear("sun", "input", 0.05, teeth=24, **tooth)],
+    ...     bearings=[
+    ...         gb.Bearing(n, x, stiffness=1e8, damping=500.0)
+    ...         for n in ("input", "output")
+    ...         for x in (0.0, 0.1)
+    ...     ],
+    ...     planetary_stages=[stage],
+    ... )
+    >>> print(system.speed_ratios)
+    [ 1.         -0.33333333 -1.         -1.         -1.        ]
+    """
+
+    sun: str
+    ring: str | RingGear
+    planets: int | Sequence[float]
+    carrier: str | None = None
+    _: KW_ONLY
+    planet: Gear
+    bearing: (
+        Bearing
+        | JournalBearing
+        | RollingBearing
+        | Sequence[Bearing | JournalBearing | RollingBearing]
+    )
+    pin: Shaft | None = None
+    sun_mesh: Mesh | None = None
+    ring_mesh: Mesh | None = None
+    centre_distance: float | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.planets, list | tuple):
+            freeze(self, "planets")
+
+    def _angles(self, path: str) -> list[float]:
+        """Give the angles of the planets [rad]."""
+        if isinstance(self.planets, bool) or not isinstance(self.planets, int):
+            if not isinstance(self.planets, tuple):
+                raise SceneError(
+                    f"{path}.planets: must be a whole number or a list of angles [rad], got "
+                    f"{shown(self.planets)}"
+                )
+            angles = [real(angle, f"{path}.planets[{i}]") for i, angle in enumerate(self.planets)]
+        else:
+            angles = [2.0 * math.pi * i / self.planets for i in range(self.planets)]
+        if not angles or not all(map(math.isfinite, angles)):
+            raise SceneError(f"{path}.planets: at least one planet is needed, got {self.planets}")
+        return angles
+
+    def _check_fit(self, sun: Gear, ring: Gear, angles: Sequence[float], path: str) -> None:
+        """Refuse angles at which the teeth of a planet do not fit between sun and ring."""
+        total = sun.teeth + ring.teeth
+        for angle in angles[1:]:
+            turns = total * (angle - angles[0]) / (2.0 * math.pi)
+            if abs(turns - round(turns)) > _FITTING * max(1.0, abs(turns)):
+                near = angles[0] + 2.0 * math.pi * round(turns) / total
+                raise SceneError(
+                    f"{path}.planets: the teeth of a planet at {angle:.6g} rad do not fit between "
+                    f"{sun.teeth} teeth of the sun and {ring.teeth} of the ring; angles must "
+                    f"differ by multiples of 2π/{total}: {near:.10g} rad fits"
+                )
+
+    def _distance(self, sun: Gear, ring: Gear, path: str) -> float | None:
+        """Give the distance of the planets from the axis; None if it follows from the teeth."""
+        shifted = sun.profile_shift != 0.0 or ring.profile_shift != 0.0
+        shifted = shifted or self.planet.profile_shift != 0.0
+        fits = ring.teeth - self.planet.teeth == sun.teeth + self.planet.teeth
+        if self.centre_distance is None and (shifted or not fits):
+            raise SceneError(
+                f"{path}.centre_distance: give it: with {sun.teeth}, {self.planet.teeth} and "
+                f"{ring.teeth} teeth and these profile shifts, the meshes of a planet may have "
+                "different distances without play"
+            )
+        return self.centre_distance
+
+    def _meshes(self, sun: Gear, ring: Gear, path: str) -> tuple[Mesh, Mesh]:
+        """Give the meshes of one planet in the direction of the power: the first drives it."""
+        name = self.planet.name
+        found = (
+            self.sun_mesh or Mesh(sun.name, name),
+            self.ring_mesh or Mesh(name, ring.name),
+        )
+        for field, mesh, other in (("sun_mesh", found[0], sun), ("ring_mesh", found[1], ring)):
+            if {mesh.driver, mesh.driven} != {name, other.name}:
+                raise SceneError(
+                    f'{path}.{field}: must be between "{other.name}" and "{name}", got '
+                    f'"{mesh.driver}" and "{mesh.driven}"'
+                )
+        if found[0].driver == name:
+            found = found[::-1]
+        if found[0].driven != name or found[1].driver != name:
+            raise SceneError(
+                f"{path}: the power flows from the sun over the planets to the ring, or back: one "
+                "mesh must have the planet as its driven gear, the other as its driver"
+            )
+        return found
+
+    def _expand(
+        self, shafts: Sequence[Shaft], gears: Sequence[Gear], path: str
+    ) -> dict[str, list[Any]]:
+        """Give the parts that the stage adds."""
+        self._check_kinds(path)
+        names = [shaft.name for shaft in shafts]
+        if self.carrier in names:
+            raise SceneError(
+                f'{path}.carrier: "{self.carrier}" is a shaft, and gearbow does not compute a '
+                "carrier that turns; give a housing, or None for the ground, and let the ring turn "
+                "(star gear)"
+            )
+        added: dict[str, list[Any]] = {"shafts": [], "gears": [], "meshes": [], "bearings": []}
+        by_name = {gear.name: gear for gear in gears}
+        if isinstance(self.ring, RingGear):
+            ring = self.ring._gear(names, f"{path}.ring")
+            added["gears"].append(ring)
+            by_name[ring.name] = ring
+        for field, name in (("sun", self.sun), ("ring", self.ring)):
+            if isinstance(name, str) and name not in by_name:
+                raise SceneError(f'{path}.{field}: no gear is called "{name}"')
+        sun = by_name[self.sun]
+        ring = ring if isinstance(self.ring, RingGear) else by_name[self.ring]
+        if not ring.internal or sun.internal or self.planet.internal:
+            raise SceneError(
+                f"{path}.ring: the ring needs internal=True, sun and planets must be external"
+            )
+        angles = self._angles(path)
+        self._check_fit(sun, ring, angles, path)
+        distance = self._distance(sun, ring, path)
+        meshes = self._meshes(sun, ring, path)
+        for i, angle in enumerate(angles, start=1):
+            own = f"{self.planet.name} {i}"
+            pin = self._pin(path)
+            shaft = f"{pin.name} {i}"
+            added["shafts"].append(replace(pin, name=shaft))
+            added["gears"].append(replace(self.planet, name=own, shaft=shaft))
+            for mesh in meshes:
+                swap = {name: own if name == self.planet.name else name for name in _ends(mesh)}
+                # The ring and the sun have one centre.
+                outwards = mesh.driver in (sun.name, ring.name)
+                added["meshes"].append(
+                    replace(
+                        mesh,
+                        driver=swap[mesh.driver],
+                        driven=swap[mesh.driven],
+                        centre_line_angle=math.remainder(
+                            angle if outwards else angle + math.pi, 2.0 * math.pi
+                        ),
+                        centre_distance=distance,
+                    )
+                )
+            added["bearings"] += [
+                replace(each, shaft=shaft, support=self.carrier) for each in self._bearings(path)
+            ]
+        return added
+
+    def _check_kinds(self, path: str) -> None:
+        """Refuse values of wrong classes; planets and bearings are checked where they are used."""
+        plain = replace(self, planets=1, bearing=Bearing("pin", 0.0, stiffness=1.0))
+        plain._describe(path)
+
+    def _bearings(self, path: str) -> tuple[Bearing | JournalBearing | RollingBearing, ...]:
+        """Give the bearings of one planet."""
+        given = self.bearing if isinstance(self.bearing, list | tuple) else (self.bearing,)
+        return parts(given, Bearing, f"{path}.bearing", JournalBearing, RollingBearing)
+
+    def _pin(self, path: str) -> Shaft:
+        """Give the shaft of one planet."""
+        if self.pin is not None:
+            return self.pin
+        planet = self.planet
+        if planet.module is None or planet.face_width is None:
+            raise SceneError(f"{path}.pin: give it, or module and face_width of the planet")
+        diameter = 0.5 * planet.module * planet.teeth / math.cos(planet.helix_angle)
+        return Shaft(
+            f"{planet.name} pin",
+            length=planet.face_width,
+            outer_diameter=diameter,
+            material=_MASSLESS,
+        )
+
+
+def _ends(mesh: Mesh) -> tuple[str, str]:
+    return mesh.driver, mesh.driven
+
+
+def expanded(
+    stages: Sequence[PlanetaryStage], shafts: Sequence[Shaft], gears: Sequence[Gear]
+) -> dict[str, list[Any]]:
+    """Give the shafts, gears, meshes and bearings that stages add to a system."""
+    added: dict[str, list[Any]] = {"shafts": [], "gears": [], "meshes": [], "bearings": []}
+    for index, stage in enumerate(stages):
+        path = f"planetary_stages[{index}]"
+        for key, found in stage._expand(shafts, gears, path).items():
+            added[key] += found
+    return added
+
+
+def tooth_angles(
+    stage: PlanetaryStage,
+    meshes: Sequence[Mesh],
+    geometry: Mapping[tuple[str, str], MeshGeometry],
+    gears: Mapping[str, Gear],
+    senses: Mapping[str, float],
+) -> dict[tuple[str, str], float]:
+    """Find `Mesh.tooth_angle` of the meshes that the planets of a stage drive."""
+    # A planet has one position, which the mesh that drives it gives: the flank that drives the
+    # next gear is the other one of the tooth in contact.
+    pairs = [mesh for mesh in meshes if (mesh.driver, mesh.driven) in geometry]
+    found = {}
+    names = [f"{stage.planet.name} {i}" for i in range(1, len(stage._angles("planets")) + 1)]
+    for name in names:
+        first = next(mesh for mesh in pairs if mesh.driven == name)
+        second = next(mesh for mesh in pairs if mesh.driver == name)
+        planet = gears[name]
+        shape = geometry[first.driver, name]
+        driver, own = shape["base_radii"]
+        # Signs of an internal driver: the belt lies on one side of both centres.
+        sign = math.copysign(1.0, driver * own)
+        total = abs(driver) + sign * own
+        tangent = sign * math.sqrt(shape["centre_distance"] ** 2 - total**2)
+        sense = senses[gears[first.driver].shaft]
+        line = math.atan2(tangent, total)
+        position = abs(driver) * (sense * (first.tooth_angle - first.centre_line_angle) + line)
+        touching = first.centre_line_angle - sense * line + (math.pi if sign > 0.0 else 0.0)
+        turning = senses[planet.shaft]
+        behind = touching - turning * (tangent - position) / own
+        found[name, second.driven] = math.remainder(
+            behind + 2.0 * turning * _half_angle(planet), 2.0 * math.pi
+        )
+    return found
+
+
+def _half_angle(gear: Gear) -> float:
+    """Give half the angle of a tooth of an external gear on the base circle [rad]."""
+    tangent = math.tan(gear.pressure_angle)
+    transverse = tangent / math.cos(gear.helix_angle)
+    involute = transverse - math.atan(transverse)
+    return (0.5 * math.pi + 2.0 * gear.profile_shift * tangent) / gear.teeth + involute
