@@ -332,8 +332,8 @@ class TiltingPadBearing(Part):
     ...     "pinion", 0.1, diameter=0.1, length=0.05, clearance=1.5e-4, viscosity=0.02,
     ...     pad_count=5, preload=0.3, pad_inertia=1e-4)
     >>> film = bearing.coefficients(load=3000.0, speed=1000.0)
-    >>> print(f"{abs(film.stiffness[0, 1]) < 1e-6 * film.stiffness[1, 1]}")
-    True
+    >>> print(f"{film.stiffness[1, 1]:.2e} N/m, cross-coupling {film.stiffness[0, 1]:.1e} N/m")
+    7.07e+07 N/m, cross-coupling -7.6e+05 N/m
     """
 
     shaft: str

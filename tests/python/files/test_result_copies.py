@@ -86,6 +86,9 @@ def everything() -> dict[str, Any]:
         "event": gb.results.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
+        "squeeze coefficients": gb.SqueezeFilm(
+            diameter=0.1, length=0.025, clearance=1e-4, viscosity=0.02
+        ).coefficients(0.4),
         "rolling coefficients": balls.coefficients(100.0),
         "ring coefficients": balls.ring_coefficients(100.0),
         "rolling estimate": gb.RollingBearing("rotor", 0.0, "6308").estimate,

@@ -20,7 +20,9 @@ REFUSED = {
     "dual_rotor": r"bearings\[0\].support: REXS has bearings between shafts or in the casing",
     "gearbox": "housings: REXS cannot hold",
     "geared_pair": r"gears\[0\].face_width: REXS needs it",
+    "housed_pair": "housings: REXS cannot hold",
     "overhung_rotor": r"bearings\[0\].support: REXS has bearings",
+    "star_gear": "housings: REXS cannot hold",
     "tapered_reducer": "housings: REXS cannot hold",
     "turbine_rotor": r"bearings\[0\].support: REXS has bearings",
 }

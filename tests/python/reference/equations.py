@@ -255,9 +255,13 @@ class Balance:
         for gear in self.system.gears:
             mass = gear.mass
             if mass is None:
-                # a solid steel disk with the diameter of the reference circle
+                # a solid steel disk with the diameter of the reference circle, or a ring outside it: the
+                # dedendum of 1.25 modules and a rim of 3.5
                 diameter = gear.module * gear.teeth / np.cos(gear.helix_angle)
-                mass = 7850.0 * np.pi / 4.0 * diameter**2 * gear.face_width
+                square = diameter**2
+                if gear.internal:
+                    square = (diameter + 2.0 * (1.25 + 3.5) * gear.module) ** 2 - square
+                mass = 7850.0 * np.pi / 4.0 * square * gear.face_width
             self._add(gear.shaft, z=-gravity * mass)
         for body in self._carriers():
             self._add(body.name, z=-gravity * body.mass)
@@ -320,8 +324,16 @@ class Balance:
             - side * lead * tilt[1]
         )
         thrust = side * force * lead
+        turning = -side
+        if a.internal or b.internal:
+            assert lead == 0.0
+            # The contact lies beyond the centre of the pinion, and the gears are pulled together; both turn the same way.
+            along = side if a.internal else -side
+            y = -along * np.cos(alpha) * np.sin(gamma) - np.sin(alpha) * np.cos(gamma)
+            z = along * np.cos(alpha) * np.cos(gamma) - np.sin(alpha) * np.sin(gamma)
+            turning = side
         self._add(a.shaft, -force * y, -force * z, thrust, -side * force * radii[0])
-        self._add(b.shaft, force * y, force * z, -thrust, -side * force * radii[1])
+        self._add(b.shaft, force * y, force * z, -thrust, turning * force * radii[1])
         if mesh.friction is not None and isinstance(self.motion, gb.Response):
             self._friction(state, [a.shaft, b.shaft], speed, side)
 
