@@ -24,7 +24,7 @@ use super::own_frequency::{self, lowest_modes, lowest_modes_in_tables};
 use super::{AnalysisError, Interrupt, Threads};
 use crate::modal::{
     self, AtSpeed, CachedModel, EquationForces, FullEquations, Highest, ModalDamping, Mode, ModeAtSpeed, ModeSelection,
-    ModeSpace, Residual, Residuals, Whirl,
+    ModeSpace, Residual, Residuals, Unknown, Whirl,
 };
 use crate::model::Model;
 use crate::numerics::EQUALITY_TOLERANCE;
@@ -33,8 +33,10 @@ use state::State;
 pub use threshold::Threshold;
 
 /// Largest number of times that a step is halved.
-const MAX_HALVINGS: i32 = 10;
-/// Number of times that a step is halved before the lowest modes are computed.
+const MAX_HALVINGS: u32 = 10;
+/// Largest number of times that the range of an intersection is halved.
+const MAX_BISECTIONS: u32 = 40;
+/// Largest number of times that a step is halved before the lowest modes are computed.
 const MAX_FOLLOWED_HALVINGS: i32 = 4;
 /// Fraction of the first step at which modes with equal eigenvalues at the first speed are distinguished.
 const START_OFFSET: f64 = 1e-3;
@@ -275,7 +277,7 @@ impl<'a> Tracker<'a> {
         let nearest = if part < 0.5 { low.1 } else { high.1 };
         let eigenvalue = low.1.eigenvalue * (1.0 - part) + high.1.eigenvalue * part;
         let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
-        let found = self.modes_near(vec![start])?.pop();
+        let found = self.modes_near(Unknown::Frequency, vec![start])?.pop();
         if let Some(found) = found.filter(|found| is_like(ends, found)) {
             return Ok(found);
         }
@@ -283,7 +285,7 @@ impl<'a> Tracker<'a> {
     }
 
     /// The modes near `starts`, all at one speed; only those before the first one that Newton's method does not find.
-    fn modes_near(&mut self, starts: Vec<ModeAtSpeed>) -> Result<Vec<State>, AnalysisError> {
+    fn modes_near(&mut self, unknown: Unknown, starts: Vec<ModeAtSpeed>) -> Result<Vec<State>, AnalysisError> {
         self.interrupt.check()?;
         let Some(speed) = starts.first().map(|start| start.speed) else { return Ok(Vec::new()) };
         let mut states = Vec::new();
@@ -312,7 +314,7 @@ impl<'a> Tracker<'a> {
                     residuals.speed = met.speed;
                     residuals.of(met.eigenvalue, &met.shape)
                 };
-                let met = self.space.mode_near(model, modal, start, residual, |found| found.value)?;
+                let met = self.space.mode_near(model, modal, unknown, start, residual, |found| found.value)?;
                 let Some((met, residual)) = met else { break };
                 states.push(self.state(model, met, residual));
             }
@@ -371,48 +373,33 @@ impl<'a> Tracker<'a> {
         extends
     }
 
-    /// Tracks the modes to `speed`: by Newton's method, or among the lowest modes where that is not clear in a small step. The step is
-    /// halved as long as the assignment is not clear.
+    /// Tracks the modes to `speed`: each by Newton's method, in smaller steps where that is not clear, or else among the
+    /// lowest modes.
     fn advance_to(&mut self, speed: f64) -> Result<(), AnalysisError> {
         let mut halved = 0;
-        loop {
+        while self.can_follow() && speed > 0.0 && halved <= MAX_FOLLOWED_HALVINGS {
             let target = self.speed.map_or(speed, |from| speed - (speed - from) * (1.0 - 0.5_f64.powi(halved)));
-            let follows = self.can_follow() && target > 0.0;
-            let found = if follows { self.followed(target)? } else { None };
-            if found.is_none() && follows && self.speed.is_some() && halved < MAX_FOLLOWED_HALVINGS {
-                halved += 1;
-                continue;
-            }
-            let (states, indices) = match found {
-                Some(states) => (Arc::new(states), (0..self.modes.len()).collect()),
-                None => {
-                    let states = self.at(target)?;
-                    let assignment = self.assign(&states);
-                    if !assignment.clear && self.speed.is_some() {
-                        if self.extend(&states, &assignment) {
-                            continue;
-                        }
-                        if halved < MAX_HALVINGS {
-                            halved += 1;
-                            continue;
-                        }
+            match self.followed(target)? {
+                Some(states) => {
+                    self.adopt(target, &states, (0..self.modes.len()).collect())?;
+                    if target == speed {
+                        return Ok(());
                     }
-                    (states, assignment.states)
+                    halved -= 1;
                 }
-            };
-            self.adopt(target, &states, indices)?;
-            if target == speed {
-                return Ok(());
+                None if self.speed.is_none() => break,
+                None => halved += 1,
             }
-            halved -= 1;
         }
+        let states = self.at(speed)?;
+        self.advance(speed, states, 0)
     }
 
     /// The tracked modes at `speed` by Newton's method, which begins with those at the current speed; `None` where it does not
     /// lead to the same modes without doubt.
     fn followed(&mut self, speed: f64) -> Result<Option<Vec<State>>, AnalysisError> {
         let starts = (0..self.modes.len()).map(|mode| self.expected(mode, speed)).collect();
-        let states = self.modes_near(starts)?;
+        let states = self.modes_near(Unknown::Frequency, starts)?;
         let is_repeated = |(index, state): (usize, &State)| {
             states[..index].iter().any(|other| equal(other.eigenvalue, state.eigenvalue))
         };
@@ -452,6 +439,24 @@ impl<'a> Tracker<'a> {
     /// Which undamped modes have modal damping.
     fn highest(&self) -> Highest {
         highest_damped(&self.cached.model, self.wanted)
+    }
+
+    /// Tracks the modes to the states at `speed`.
+    fn advance(&mut self, speed: f64, states: Arc<Vec<State>>, halved: u32) -> Result<(), AnalysisError> {
+        let assignment = self.assign(&states);
+        if let Some(from) = self.speed {
+            if !assignment.clear && halved == 0 && self.extend(&states, &assignment) {
+                let states = self.at(speed)?;
+                return self.advance(speed, states, halved);
+            }
+            if !assignment.clear && halved < MAX_HALVINGS {
+                let middle = f64::midpoint(from, speed);
+                let between = self.at(middle)?;
+                self.advance(middle, between, halved + 1)?;
+                return self.advance(speed, states, halved + 1);
+            }
+        }
+        self.adopt(speed, &states, assignment.states)
     }
 
     /// Takes the states with these indices at `speed` for the tracked modes, and finds what lies between the current speed and
@@ -508,7 +513,11 @@ impl<'a> Tracker<'a> {
             let above = [&known[0], &known[known.len() - 1]].map(|(speed, state)| state.eigenvalue.im > order * speed);
             if above[0] != above[1] {
                 self.interrupt.check()?;
-                let (speed, state) = self.root_of(&mut known, |speed, state| state.eigenvalue.im - order * speed)?;
+                let (speed, state) = if self.cached.model.depends_on_speed() {
+                    self.root_of(&mut known, |speed, state| state.eigenvalue.im - order * speed)?
+                } else {
+                    self.intersection(order, ends)?
+                };
                 let State { eigenvalue, whirl, residual, .. } = state;
                 let residual = residual.with((eigenvalue.im / (order * speed) - 1.0).abs());
                 require(residual, || {
@@ -518,6 +527,39 @@ impl<'a> Tracker<'a> {
             }
         }
         Ok(intersections)
+    }
+
+    /// The intersection of a mode with the line ω = `order`·Ω between two speeds on opposite sides of the line: by Newton's
+    /// method, which begins between closer speeds where it does not lead to this mode. Matrices must not depend on the speed.
+    ///
+    /// On the line, the sign of the frequency relative to a shaft is zero, so that its loss factor has no effect; a root of the
+    /// frequencies beside the line does not see that.
+    fn intersection(&mut self, order: f64, ends: [(f64, &State); 2]) -> Result<(f64, State), AnalysisError> {
+        let [mut low, mut high] = ends.map(|(speed, state)| (speed, state.clone()));
+        let gap = |(speed, state): &(f64, State)| state.eigenvalue.im - order * speed;
+        for _ in 0..MAX_BISECTIONS {
+            let part = gap(&low).abs() / (gap(&low).abs() + gap(&high).abs());
+            let nearest = if part < 0.5 { &low.1 } else { &high.1 };
+            let speed = low.0 + part * (high.0 - low.0);
+            let eigenvalue = Complex::new(nearest.eigenvalue.re, order * speed);
+            let start = ModeAtSpeed { speed, eigenvalue, shape: nearest.shape() };
+            let ends = [(low.0, &low.1), (high.0, &high.1)];
+            // Newton's method may find another mode on the line: accept it only if its shape correlates with this mode.
+            if let Some(found) = self.modes_near(Unknown::Speed(order), vec![start])?.pop() {
+                let (speed, slack) = (found.eigenvalue.im / order, EQUALITY_TOLERANCE * high.0);
+                if speed >= low.0 - slack && speed <= high.0 + slack && is_like(ends, &found) {
+                    return Ok((speed, found));
+                }
+            }
+            let middle = f64::midpoint(low.0, high.0);
+            let found = (middle, self.between(ends, middle)?);
+            if (gap(&low) > 0.0) == (gap(&found) > 0.0) {
+                low = found;
+            } else {
+                high = found;
+            }
+        }
+        Ok(high)
     }
 }
 

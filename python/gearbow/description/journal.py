@@ -403,6 +403,13 @@ class SqueezeCoefficients(ReadOnly):
         Force towards the centre over the radius of the orbit [N/m], without the centring spring.
     damping : float
         Force against the motion over the velocity [N s/m].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> film = gb.SqueezeFilm(diameter=0.1, length=0.025, clearance=1e-4, viscosity=0.02)
+    >>> print(f"{film.coefficients(0.4).damping:.1f} N s/m")
+    31880.2 N s/m
     """
 
     stiffness: float

@@ -66,6 +66,11 @@ def refined(
 LARGEST_MOTION = 0.07
 #: Largest twist of the drawing [rad].
 LARGEST_TWIST = 0.8
+#: Elevation and azimuth from which a train is seen [°].
+_ELEVATION, _AZIMUTH = 22.0, -58.0
+#: Largest height of the box of the axes as it is seen without zoom, relative to its panel; labels
+#: stand below it.
+_LARGEST_HEIGHT = 0.87
 #: Angles of the points around a shaft or a gear [rad].
 AROUND = np.linspace(0.0, 2.0 * np.pi, 25)
 
@@ -197,11 +202,21 @@ def _finish(axes: Any, extent: Array) -> None:
     # Do not clip parts that extend beyond the box of the axes.
     for artist in axes.get_children():
         artist.set_clip_on(False)
-    axes.set_box_aspect(np.maximum(extent, 0.25 * extent.max()), zoom=1.12)
+    elevation, azimuth = np.radians([_ELEVATION, _AZIMUTH])
+    upwards = np.array(
+        [
+            np.sin(elevation) * np.cos(azimuth),
+            np.sin(elevation) * np.sin(azimuth),
+            np.cos(elevation),
+        ]
+    )
+    box = np.maximum(extent, 0.25 * extent.max())
+    height = np.abs(upwards) @ box / np.linalg.norm(box)
+    axes.set_box_aspect(box, zoom=min(1.12, _LARGEST_HEIGHT / height))
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.xaxis.labelpad = axes.yaxis.labelpad = 24
     axes.locator_params(nbins=4)
-    axes.view_init(elev=22.0, azim=-58.0)
+    axes.view_init(elev=_ELEVATION, azim=_AZIMUTH)
 
 
 def _extent(layout: Layout) -> Array:

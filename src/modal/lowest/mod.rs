@@ -4,7 +4,7 @@
 //! - `arnoldi`: the search for the lowest modes. `shift_invert`: the eigenvalue problem inverted at a shift. `contour` counts the
 //!   eigenvalues in a disk.
 //! - `modal_space`: the modes with modal damping, of one model or at all speeds.
-//! - `critical`: the lowest critical speeds. `newton`: one mode at a speed.
+//! - `critical`: the lowest critical speeds. `newton`: one mode at a speed or on a line of the Campbell diagram.
 //!   `mode_space`: a space in which modes at many speeds are found.
 
 mod arnoldi;
@@ -20,6 +20,6 @@ pub use arnoldi::lowest;
 pub use critical::{FORWARD, lowest_critical};
 pub use modal_space::{Highest, MAX_DENSE, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
 pub use mode_space::ModeSpace;
-pub use newton::{FullEquations, ModeAtSpeed, mode_near};
+pub use newton::{FullEquations, ModeAtSpeed, Unknown, mode_near};
 pub use selection::{ModeSelection, ascending, vibrates};
 pub use shift_invert::{Eigenpair, Problem};

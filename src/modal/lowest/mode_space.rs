@@ -9,13 +9,15 @@ use std::cell::RefCell;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::newton::{Equations, Forces, FullEquations, ModeAtSpeed, newton};
+use super::newton::{Equations, Forces, FullEquations, ModeAtSpeed, Unknown, newton};
 use crate::linalg::{LuFactors, Singular, image_of_parts};
 use crate::modal::undamped::ModalDamping;
 use crate::model::{Model, StructuralDamping};
 
 /// Residual of an accurate mode at a speed. Where forces circulate, the error of λ is proportional to it, otherwise to its square.
 const ACCURATE: f64 = 1e-10;
+/// Residual of an accurate intersection with a line.
+const ACCURATE_ON_LINE: f64 = 1e-12;
 /// Number of times that the space is extended for one mode.
 const MAX_EXTENSIONS: usize = 8;
 /// Largest relative change of λ for which the factors of VᵀS(λ)V serve the next iteration too.
@@ -134,17 +136,20 @@ impl ModeSpace {
         &mut self,
         model: &Model,
         modal: Option<&ModalDamping>,
+        unknown: Unknown,
         start: ModeAtSpeed,
         mut residual: impl FnMut(&ModeAtSpeed) -> Result<R, E>,
         size: impl Fn(&R) -> f64,
     ) -> Result<Option<(ModeAtSpeed, R)>, E> {
         let mut best: Option<(ModeAtSpeed, R)> = None;
+        let is_exact = matches!(unknown, Unknown::Speed(_));
+        let accurate = if is_exact { ACCURATE_ON_LINE } else { ACCURATE };
         let mut at = start;
         for extension in 0..=MAX_EXTENSIONS {
             let coordinates = image_of_parts(&at.shape, |part| self.momenta.tr_mul(part));
-            let reduced = ReducedEquations { space: self, model, factors: RefCell::new(None) };
+            let reduced = ReducedEquations { space: self, model, is_exact, factors: RefCell::new(None) };
             let start = ModeAtSpeed { shape: coordinates, ..at };
-            if let Some(found) = newton(&reduced, start) {
+            if let Some(found) = newton(&reduced, unknown, start) {
                 at = ModeAtSpeed { shape: times(&self.shapes, &found.shape), ..found };
                 let found = (at.clone(), residual(&at)?);
                 let value = size(&found.1);
@@ -152,12 +157,12 @@ impl ModeSpace {
                 if is_better {
                     best = Some(found);
                 }
-                if value <= ACCURATE || !is_better {
+                if value <= accurate || !is_better {
                     break;
                 }
             }
             let equations = FullEquations { model, modal };
-            let change = if extension < MAX_EXTENSIONS { equations.step(&at).ok() } else { None };
+            let change = if extension < MAX_EXTENSIONS { equations.step(unknown, &at).ok() } else { None };
             let Some(change) = change.filter(|change| self.extend(model, modal, at.speed, &change.shape)) else {
                 break;
             };
@@ -212,6 +217,8 @@ fn times(matrix: &DMatrix<f64>, x: &DVector<Complex64>) -> DVector<Complex64> {
 struct ReducedEquations<'s> {
     space: &'s ModeSpace,
     model: &'s Model,
+    /// Whether each iteration has factors of its own.
+    is_exact: bool,
     factors: RefCell<Option<ReducedFactors>>,
 }
 
@@ -243,13 +250,14 @@ impl ReducedEquations<'_> {
 impl Equations for ReducedEquations<'_> {
     fn forces(&self, at: &ModeAtSpeed) -> Forces {
         let Matrices { stiffness, damping, gyroscopic } = &self.space.projected;
-        let rate = times(damping, &at.shape) + times(gyroscopic, &at.shape) * Complex64::from(at.speed);
+        let gyroscopic = times(gyroscopic, &at.shape);
+        let rate = times(damping, &at.shape) + &gyroscopic * Complex64::from(at.speed);
         let mut residual =
             times(stiffness, &at.shape) + &rate * at.eigenvalue + &at.shape * (at.eigenvalue * at.eigenvalue);
         if let Some(structural) = self.structural(at) {
             residual += structural * &at.shape;
         }
-        Forces { inertia: at.shape.clone(), rate, residual }
+        Forces { inertia: at.shape.clone(), rate, gyroscopic, residual }
     }
 
     fn solve(&self, at: &ModeAtSpeed, right: DMatrix<Complex64>) -> Result<DMatrix<Complex64>, Singular> {
@@ -259,7 +267,7 @@ impl Equations for ReducedEquations<'_> {
         let is_close = |known: &ReducedFactors| {
             known.uses < MAX_USES && (lambda - known.eigenvalue).norm() <= SAME_FACTORS * lambda.norm()
         };
-        if let Some(known) = known.as_mut().filter(|known| is_close(known)) {
+        if let Some(known) = known.as_mut().filter(|known| !self.is_exact && is_close(known)) {
             known.uses += 1;
             return Ok(known.factors.solve(&right));
         }
@@ -280,6 +288,6 @@ impl Equations for ReducedEquations<'_> {
     }
 
     fn is_exact(&self) -> bool {
-        false
+        self.is_exact
     }
 }
