@@ -51,7 +51,9 @@ def test_short_element_does_not_change_runs(hold: Hold):
     # states an upper bound of the error.
     with pytest.warns(gb.AccuracyWarning, match=r"may reach 8e-3; .* shortest element"):
         beyond = apart(run(1e-6), plain)
-    assert worst < beyond < 8e-3
+    # 1e-6 is reached; the subspace iteration finds the lowest modes again where the element is shortest.
+    assert worst < 1e-5
+    assert beyond < 8e-3
     hold(
         "One short element does not change the simulated displacement of a train",
         "element length 1e-3 to 1e-5 m",

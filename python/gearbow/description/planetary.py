@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, replace
 from typing import Any
 
-from gearbow._convert import real, shown
+from gearbow._convert import real, shown, whole
 from gearbow._types import MeshGeometry
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing
@@ -82,6 +82,7 @@ class RingGear(Part):
 
     def _gear(self, shafts: Sequence[str], path: str) -> Gear:
         """Give the gear on its shaft."""
+        whole(self.teeth, f"{path}.teeth")
         if self.support not in shafts:
             base = "the ground" if self.support is None else shown(self.support)
             raise SceneError(
@@ -274,6 +275,11 @@ class PlanetaryStage(Part):
         if not ring.internal or sun.internal or self.planet.internal:
             raise SceneError(
                 f"{path}.ring: the ring needs internal=True, sun and planets must be external"
+            )
+        if isinstance(self.planets, int) and self.planets > sun.teeth + ring.teeth:
+            raise SceneError(
+                f"{path}.planets: {shown(self.planets)} planets do not fit between {sun.teeth} "
+                f"teeth of the sun and {ring.teeth} of the ring"
             )
         angles = self._angles(path)
         self._check_fit(sun, ring, angles, path)

@@ -94,6 +94,7 @@ SCENE: dict[str, Any] = {
             "damping_ratio": 0.05,
             "loss_factor": 0.02,
             "centre_line_angle": 0.2,
+            "tooth_angle": 0.1,
             "centre_distance": 0.113,
         },
         {"driver": "g2", "driven": "g3", "stiffness": 2e8, "damping": 100.0},

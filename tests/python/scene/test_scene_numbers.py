@@ -93,7 +93,7 @@ def test_every_numeric_field_is_in_that_scene():
     for part in parts:
         for field in dataclasses.fields(part):
             texts = {"name", "shaft", "driver", "driven", "material", "support", "contact"}
-            flags = {"shear", "damping_in_separation"}
+            flags = {"shear", "damping_in_separation", "internal"}
             assert field.name in known | beside | texts | flags, (part, field.name)
 
 

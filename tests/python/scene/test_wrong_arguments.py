@@ -163,7 +163,10 @@ def star(ring: Any = "ring", **given: Any) -> gb.RotorSystem:
         shafts=[gb.Shaft(name, length=0.1, outer_diameter=0.03) for name in ("in", "out")],
         gears=[
             gb.Gear("sun", "in", 0.05, teeth=24, **tooth),
-            *([gb.Gear("ring", "out", 0.05, teeth=72, internal=True, **tooth)] * (ring == "ring")),
+            *(
+                [gb.Gear("ring", "out", 0.05, teeth=72, internal=True, **tooth)]
+                * (str(ring) == "ring")
+            ),
         ],
         bearings=[gb.Bearing(name, x, stiffness=1e8) for name in ("in", "out") for x in (0.0, 0.1)],
         planetary_stages=[gb.PlanetaryStage(ring=ring, **(wanted | given))],
