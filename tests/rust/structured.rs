@@ -4,7 +4,7 @@
 use gearbow::linalg::Side;
 use gearbow::modal::{
     self, CachedModel, DynamicKey, DynamicStiffnessSolver, EquationForces, Highest, Mode, ModeSelection, ModeSpace,
-    Solved,
+    Solved, Unknown,
 };
 use gearbow::model::Model;
 use gearbow::scene::{Scene, SceneDescription};
@@ -251,7 +251,7 @@ fn critical_speeds_are_those_of_dense_matrices() {
 }
 
 #[test]
-fn a_mode_in_a_growing_space_is_one_of_dense_matrices() {
+fn an_intersection_in_a_growing_space_is_a_mode_of_dense_matrices() {
     let cached = train(4, |text| text);
     let model = &cached.model;
     for start in &modal::CriticalProblem::new(&cached, 1.0).unwrap().critical(1.0).unwrap()[..6] {
@@ -261,9 +261,10 @@ fn a_mode_in_a_growing_space_is_one_of_dense_matrices() {
             let forces = EquationForces::All(None);
             modal::residual(&cached, met.speed, met.eigenvalue, &met.shape, forces)
         };
-        let found = space.mode_near(model, None, start.clone(), residual, |residual| residual.value);
+        let unknown = Unknown::Speed(1.0);
+        let found = space.mode_near(model, None, unknown, start.clone(), residual, |residual| residual.value);
         let (met, _) = found.unwrap().unwrap();
-        assert_eq!(met.speed, start.speed);
+        assert_eq!(met.eigenvalue.im, met.speed);
         let exact = modal::modes(&cached, met.speed, usize::MAX, ModeSelection::All).unwrap();
         let nearest = exact.iter().min_by(|a, b| {
             let distance = |mode: &Mode| (mode.eigenvalue - met.eigenvalue).norm();
