@@ -53,7 +53,7 @@ impl LinearModes {
 /// vibrations gives fewer.
 ///
 /// # Errors
-/// As [`linear_modes`], and if a search does not converge or a mode lies outside the tables of bearings.
+/// As `linear_modes`, and if a search does not converge or a mode lies outside the tables of bearings.
 pub fn lowest_modes(
     cached: &CachedModel,
     speed: f64,

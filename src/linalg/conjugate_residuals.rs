@@ -26,7 +26,7 @@ pub struct LeastResidual<T: Number> {
     pub is_converged: bool,
 }
 
-/// Solves A x = b up to a residual of `rtol`·‖b‖ in the norm √(xᴴWx), where `weigh` gives W x, with at most [`MAX_PRODUCTS`].
+/// Solves A x = b up to a residual of `rtol`·‖b‖ in the norm √(xᴴWx), where `weigh` gives W x, with at most `MAX_PRODUCTS` products.
 ///
 /// # Errors
 /// That of `apply`, which gives A x.

@@ -193,7 +193,7 @@ impl Model {
         diagonal
     }
 
-    /// Adds Σ value(i, j)·rows[i]·rows[j]ᵀ.
+    /// Adds Σᵢⱼ value(i, j)·rᵢ·rⱼᵀ, where rᵢ is the vector `rows[i]`.
     pub fn add_form(&self, sum: &mut CoupledBands, rows: &[Row], value: impl Fn(usize, usize) -> Complex64) {
         // Motions with the force on each for a unit force on the row, and the part of each in the displacement of the row.
         let circular = |row: &Row| {
