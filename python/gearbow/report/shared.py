@@ -17,6 +17,7 @@ from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
+from gearbow.description.places import housing_and_interface, other_shaft
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
@@ -132,10 +133,17 @@ class Contents:
 
     @cached_property
     def sensors(self) -> list[str]:
-        """Names of the points of housings, or of housings without points."""
-        return [
-            name for each in self.system.housings for name in (list(each.points) or [each.name])
-        ]
+        """Names of the points and free interfaces of housings, or of rigid ones without points."""
+        carrying = {housing_and_interface(bearing.support) for bearing in self.system.bearings}
+        places: list[str] = []
+        for housing in self.system.housings:
+            if housing.elastic is None:
+                places += list(housing.points) or [housing.name]
+                continue
+            interfaces = list(housing.elastic.interfaces)
+            free = [place for place in interfaces if (housing.name, place) not in carrying]
+            places += free or interfaces
+        return places
 
     def need_operating(self) -> float:
         """Give the highest operating speed, which must be given."""
@@ -351,8 +359,8 @@ def table_range(system: Any) -> tuple[float, float]:
     """Give the speeds that every table of bearing coefficients contains [rad/s]."""
     of_shaft, low, high = ratios_by_shaft(system), 0.0, math.inf
     for bearing in system.bearings:
-        base = getattr(bearing, "support", None)
-        other = of_shaft[base[0]] if isinstance(base, tuple) else 0.0
+        inner = other_shaft(bearing.support)
+        other = of_shaft[inner[0]] if inner is not None else 0.0
         ratio = abs(of_shaft[bearing.shaft] - other)
         for table in (getattr(bearing, name, None) for name in ("stiffness", "damping")):
             if not isinstance(table, SpeedTable) or table.speeds is None or not ratio:

@@ -430,7 +430,7 @@ COMMANDS = {
 }
 
 #: Largest system whose report `make test` writes, and largest one that it gives loss factors.
-_LARGEST_REPORT, _LARGEST_WITH_LOSS = 60, 350
+_LARGEST_REPORT, _LARGEST_WITH_LOSS = 150, 350
 #: Largest system of which `make test` makes a run.
 _LARGEST_RUN = 1000
 
