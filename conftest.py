@@ -4,7 +4,8 @@ The Python blocks of a document run in order and share their names. A `text` blo
 expected output of the Python block before it. A `toml` block becomes the file `scene.toml`, an
 `xml` block the file `gearbox.rexs`, a `json` block the file `rotor.json`, for the blocks after it.
 Each document runs in a folder that has `examples/machines/` only. The cells of a notebook run in
-order; its outputs are not stored.
+order; its outputs are not stored. A document with `<!-- needs: NAME -->` is skipped where this
+library is not installed.
 """
 
 import contextlib
@@ -24,6 +25,7 @@ import pytest
 # machine took 7 s instead of 0.3 s. NumPy reads this setting when it is imported.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+NEEDS = re.compile(r"<!-- needs: (\w+) -->")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: Scene files that documents load.
 MACHINES = Path(__file__).parent / "python" / "gearbow" / "machines"
@@ -67,7 +69,8 @@ class Document(pytest.File):
             for match in BLOCK.finditer(text)
         ]
         if any(language == "python" for language, _, _ in blocks):
-            yield Examples.from_parent(self, name="examples", blocks=blocks)
+            needed = NEEDS.findall(text)
+            yield Examples.from_parent(self, name="examples", blocks=blocks, needed=needed)
 
 
 class Notebook(pytest.File):
@@ -91,11 +94,13 @@ class Cells(pytest.Item):
 
 
 class Examples(pytest.Item):
-    def __init__(self, *, blocks, **given):
+    def __init__(self, *, blocks, needed, **given):
         super().__init__(**given)
-        self.blocks = blocks
+        self.blocks, self.needed = blocks, needed
 
     def runtest(self):
+        for library in self.needed:
+            pytest.importorskip(library, reason=f"{library} is not installed")
         names = {"__name__": self.path.stem}
         printed = io.StringIO()
         with tempfile.TemporaryDirectory() as folder, inside(folder):

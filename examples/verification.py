@@ -9,11 +9,14 @@ import argparse
 import math
 import warnings
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import gearbow as gb
 from published import RPM, TAU, load, row
 
+#: Stiffness of a rigid mesh over that of the stiffest spring; a larger one costs digits.
+_RIGID = 1e6
 #: Steel of the examples of Friswell et al.
 FRISWELL_STEEL = gb.Material(211e9, 7810.0, shear_modulus=81.2e9)
 
@@ -98,6 +101,25 @@ def friswell() -> Iterable[str]:
         found, _ = vibrations(overhung, speed * RPM, len(published))
         quantity = f"frequencies {name} [rad/s]"
         yield row(source, quantity, published, [TAU * f for f in found], 2)
+
+
+def axial_force() -> Iterable[str]:
+    """Compare the rotor with two disks under axial forces.
+
+    Friswell et al., example 5.9.7, as example 22 of the documents of ROSS computes it: six
+    elements, on isotropic bearings.
+    """
+    rotor = two_disks(stiffness=1e6)
+    source = "Friswell et al. 2010, example 5.9.7: axial force"
+    for kilonewtons, published in (
+        (10, [13.936, 43.913, 114.760]),
+        (100, [15.020, 46.132, 120.620]),
+        (-10, [13.643, 43.402, 113.395]),
+    ):
+        shafts = [replace(rotor.shafts[0], axial_force=1e3 * kilonewtons)]
+        found, _ = vibrations(rotor.replace(shafts=shafts, motion="lateral"), 0.0, 6)
+        quantity = f"frequencies at rest with {kilonewtons} kN [Hz]"
+        yield row(source, quantity, published, found[::2], 3)
 
 
 def oil_film() -> Iterable[str]:
@@ -261,6 +283,144 @@ def wind_turbine() -> Iterable[str]:
     yield row(source, "damping ratio [%]", [5.0], percent([ratio]), 2)
 
 
+def torsional_train(
+    inertias: dict[str, float],
+    springs: dict[tuple[str, str], float],
+    teeth: dict[tuple[str, str], tuple[int, int]],
+) -> gb.RotorSystem:
+    """Return bodies [kg m²] joined by springs [N m/rad] and by rigid pairs of gears.
+
+    Each body is a disk on a light shaft, where its gears are. Base radii are in proportion to the
+    numbers of teeth.
+    """
+    light = gb.Material(207e9, 1.0, poisson_ratio=0.3)
+    scale = 1e-4  # m for each tooth
+    radius = scale * min((number for numbers in teeth.values() for number in numbers), default=1)
+    rigid = _RIGID * max(springs.values()) / radius**2
+    meshes, gears = [], {}
+    for pair, numbers in teeth.items():
+        for body, number in zip(pair, numbers, strict=True):
+            # The inertia of a gear is that of its body; round-off needs one above zero.
+            gears[body] = gb.Gear(
+                f"gear {body}",
+                body,
+                0.05,
+                number,
+                base_radius=scale * number,
+                face_width=0.1,
+                mass=1.0,
+                diametral_inertia=1.0,
+                polar_inertia=1e-9 * max(inertias.values()),
+            )
+        meshes.append(gb.Mesh(f"gear {pair[0]}", f"gear {pair[1]}", stiffness=rigid))
+    bodies = {name: inertia for name, inertia in inertias.items() if inertia > 0.0}
+
+    def place(name: str) -> str:
+        return f"body {name}" if name in bodies else f"gear {name}"
+
+    return system(
+        motion="torsion",
+        shafts=[
+            gb.Shaft(name, length=0.1, outer_diameter=0.01, elements=1, material=light)
+            for name in inertias
+        ],
+        disks=[
+            gb.Disk(f"body {name}", name, 0.05, 1.0, inertia / 2.0, inertia)
+            for name, inertia in bodies.items()
+        ],
+        gears=list(gears.values()),
+        meshes=meshes,
+        couplings=[
+            gb.Coupling(place(a), place(b), torsional_stiffness=stiffness)
+            for (a, b), stiffness in springs.items()
+        ],
+    )
+
+
+def geared_trains() -> Iterable[str]:
+    """Compare torsional frequencies of trains with gears.
+
+    Gunter and Chen, Introduction to dynamics of rotor-bearing systems (2001), example 8.1: a
+    propeller that two turbines drive over double reduction gears. Data: openTorsion,
+    examples/marine_steam_turbine_forced_response.py; the examples of Friswell et al. (2010) are
+    those of its opentorsion/tests/tests.py.
+    """
+    unit = 0.112985  # N m in lbf in
+    marine = torsional_train(
+        {
+            "propeller": 2.454e6 * unit,
+            "bull": 0.826e6 * unit,
+            "high pinion": 0.0,
+            "high wheel": 2.723e4 * unit,
+            "high turbine pinion": 0.0,
+            "high turbine": 2.612e2 * unit,
+            "low pinion": 0.0,
+            "low wheel": 1.283e4 * unit,
+            "low turbine pinion": 0.0,
+            "low turbine": 1.509e4 * unit,
+        },
+        {
+            ("propeller", "bull"): 826e6 * unit,
+            ("high pinion", "high wheel"): 24.17e6 * unit,
+            ("high turbine pinion", "high turbine"): 14.26e6 * unit,
+            ("low pinion", "low wheel"): 203.94e6 * unit,
+            ("low turbine pinion", "low turbine"): 30.51e6 * unit,
+        },
+        # The high- and the low-pressure turbine turn 78.2365 and 40.0424 times as fast as the
+        # propeller, their intermediate shafts 9.4094 times.
+        {
+            ("bull", "high pinion"): (47047, 5000),
+            ("high wheel", "high turbine pinion"): (41573, 5000),
+            ("bull", "low pinion"): (47047, 5000),
+            ("low wheel", "low turbine pinion"): (21278, 5000),
+        },
+    )
+    source = "marine steam turbine, Gunter and Chen 2001, example 8.1"
+    published = [177.71, 220.18, 1282.58, 2496.87, 2883.38]
+    yield row(source, "torsional frequencies [1/min]", published, torsional(marine, 5, 60.0), 2)
+
+    bodies = {"motor": 400e-6, "pinion": 25e-6, "wheel": 25e-6, "left": 700e-6, "right": 700e-6}
+    equal = torsional_train(
+        bodies,
+        {("motor", "pinion"): 1e4, ("wheel", "left"): 5e3, ("pinion", "right"): 5e3},
+        {("pinion", "wheel"): (50, 50)},
+    )
+    source = "Friswell et al. 2010, chapter 9: equal gears between three bodies"
+    quantity = "torsional frequencies [Hz]"
+    yield row(source, quantity, [425.4, 634.1, 3247.2], torsional(equal, 3, 1.0), 1)
+
+    modulus = 68e9
+
+    def stiffness(length: float, diameter: float) -> float:
+        return modulus * math.pi * diameter**4 / 32.0 / length
+
+    driven = stiffness(3.5, 0.25)
+    branched = torsional_train(
+        {"drive": 3200.0, "a": 200.0, "b": 200.0, "c": 800.0, "d": 800.0, "e": 450.0, "f": 450.0},
+        {("drive", "a"): stiffness(2.5, 0.2), ("c", "e"): driven, ("d", "f"): driven},
+        {("a", "b"): (50, 50), ("a", "c"): (50, 80), ("b", "d"): (50, 80)},
+    )
+    source = "Friswell et al. 2010, example 9.6.3: branched gears"
+    yield row(source, quantity, [10.304, 20.479, 24.423], torsional(branched, 3, 1.0), 3)
+
+    line = torsional_train(
+        {"1": 3.5e-3, "2": 3.5e-3, "3": 3.5e-3, "4": 0.15, "5": 0.05},
+        {("1", "2"): 12e3, ("2", "3"): 12e3, ("3", "4"): 14e3, ("4", "5"): 10e3},
+        {},
+    )
+    source = "Friswell et al. 2010, example 9.7.1: five bodies in line"
+    yield row(source, quantity, [81.21, 141.21, 378.95, 536.36], torsional(line, 4, 1.0), 2)
+
+
+def torsional(train: gb.RotorSystem, count: int, factor: float) -> list[float]:
+    """Return the lowest elastic frequencies, in Hz times a factor."""
+    with warnings.catch_warnings():
+        # Rigid meshes and light gears vibrate far above these frequencies.
+        warnings.simplefilter("ignore", gb.AccuracyWarning)
+        found = train.modes(count=count + 1).frequencies_hz
+    return [factor * frequency for frequency in found if frequency > 1e-3][:count]
+
+
 def flexible_rotor() -> Iterable[str]:
     """Compare a thin shaft with two disks in housings on leaf springs, at rest.
 
@@ -311,11 +471,13 @@ def main() -> None:
     print("|---|---|---|---|---|")
     computed = (
         friswell,
+        axial_force,
         oil_film,
         internal_damping,
         code_aster,
         turbine_generator,
         wind_turbine,
+        geared_trains,
     )
     for rows in (flexible_rotor,) if measured else computed:
         for printed in rows():

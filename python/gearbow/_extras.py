@@ -17,6 +17,7 @@ _PACKAGES = {
     "sparse": {"scipy"},
     "identify": {"scipy"},
     "units": {"pint"},
+    "fmi": {"pythonfmu3"},
     "sweep": {"xarray", "pandas", "dask", "distributed"},
 }
 

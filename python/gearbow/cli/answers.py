@@ -487,6 +487,21 @@ def export(given: argparse.Namespace) -> Answer:
     return Answer(f"signals: {given.out}", {"file": given.out})
 
 
+def fmu(given: argparse.Namespace) -> Answer:
+    """Write a functional mock-up unit."""
+    out, _ = check_name(given.out or f"{given.scene.stem}.fmu", [".fmu"], "--out")
+    system = read_system(given)
+    system.to_fmu(
+        out,
+        given.speed,
+        torque_inputs=items(system, given.torque_input or [], "torque_inputs"),
+        speed_input=given.speed_input,
+        record=given.record and items(system, given.record, "record"),
+        accuracy=given.accuracy,
+    )
+    return Answer(f"unit: {out}", {"file": str(out)})
+
+
 def identify(given: argparse.Namespace) -> Answer:
     """Identify unknowns."""
     unknowns = [parse(text) for text in given.unknown]

@@ -329,6 +329,26 @@ COMMANDS = (
         JSON,
     ),
     Command(
+        "fmu",
+        answers.fmu,
+        "write a functional mock-up unit (FMI 3.0) for other simulation programs",
+        '  gearbow fmu train.toml --speed "1500 rpm" --torque-input pinion\n'
+        '  gearbow fmu train.toml --speed "1500 rpm" --speed-input "500 rpm" "3000 rpm"'
+        " --record gears pinion/wheel --out train.fmu",
+        scene(),
+        SPEED,
+        option(
+            "--torque-input",
+            "places with an input torque, for example pinion input@0.2",
+            nargs="+",
+            metavar="PLACE",
+        ),
+        option("--speed-input", "smallest and largest value of an input speed", speed, nargs=2),
+        RECORD,
+        ACCURACY,
+        option("--out", "file .fmu; default: the name of the scene file"),
+    ),
+    Command(
         "identify",
         answers.identify,
         "find bow, unbalance and run-out from measured once-per-revolution vibration",

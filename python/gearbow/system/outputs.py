@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
@@ -15,7 +15,7 @@ from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, reading
 from gearbow._lookup import one_of
-from gearbow._types import Language, Progress
+from gearbow._types import Accuracy, At, InitialState, Language, Progress, Record
 from gearbow.analysis.protocol import System
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.part import parts
@@ -23,6 +23,7 @@ from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.peak import operating_range
 from gearbow.results.stresses import Strength
+from gearbow.sensors import SignalSensor
 from gearbow.system.bodies import with_bodies
 from gearbow.units.speed import (
     RevolutionsPerMinute,
@@ -272,3 +273,69 @@ def _with_remedy(error: SceneError, document: str) -> SceneError:
     if header is None:
         return error
     return SceneError(f"{error}; write two brackets around each name of a list: [[{header[1]}]]")
+
+
+def to_fmu(
+    self: System,
+    path: str | os.PathLike[str],
+    speed: float,
+    *,
+    torque_inputs: Iterable[At] = (),
+    speed_input: tuple[float, float] | None = None,
+    record: Iterable[Record] | None = None,
+    sensors: Iterable[SignalSensor] = (),
+    accuracy: Accuracy | None = None,
+    initial: InitialState = "synchronous",
+) -> None:
+    """Write a functional mock-up unit (FMI 3.0, co-simulation) of the system.
+
+    The unit steps the system by `simulate`, so that it needs Python with this version of gearbow
+    where it runs. Each communication step continues the run of the steps before. The unit saves,
+    restores and serialises its state; equal states give equal steps to the last bit.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file. Its name ends with ".fmu".
+    speed : float
+        Speed of the reference shaft at the beginning [rad/s].
+    torque_inputs : iterable of str or tuple of (str, float)
+        Gears, disks or (shaft, position [m]), each with an input torque [N m] that acts beside the
+        torques of the system and is 0 at the beginning. In a step it goes from the last value to
+        the present one, as a cubic with slope zero at both ends.
+    speed_input : tuple of (float, float), optional
+        Smallest and largest value of an input speed [rad/s] of the reference shaft, of one sign. In
+        a step, the speed goes linearly from the last value to the present one. None keeps `speed`.
+    record : iterable, optional
+        Places and quantities that are outputs, as for `simulate`.
+    sensors : iterable of Probe, Accelerometer or StrainGauge
+        Sensors whose signals are outputs. `record` contains their places.
+    accuracy : {"draft", "engineering", "reference"}, optional
+        Accuracy of the steps, as for `simulate`.
+    initial : {"synchronous", "static", "rest"}
+        State at the beginning.
+
+    Raises
+    ------
+    MissingExtraError
+        If pythonfmu3 is not installed (extra ``fmi``).
+    SceneError
+        If an argument is invalid, or a load is a function of time.
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> system = gb.examples.reducer()  # doctest: +SKIP
+    >>> system.to_fmu("train.fmu", 100.0, speed_input=(50.0, 150.0))  # doctest: +SKIP
+    """
+    from gearbow.exchange.fmu import write_fmu  # noqa: PLC0415  # with pickle, JSON and archives
+    from gearbow.system.cosimulation import Interface  # noqa: PLC0415
+
+    file, _ = check_name(path, [".fmu"])
+    check_output(file)
+    face = Interface.of(
+        speed, torque_inputs, speed_input, record, sensors, accuracy=accuracy, initial=initial
+    )
+    write_fmu(self, face, file)

@@ -52,7 +52,7 @@ from gearbow.system.linear import (
     static,
     synchronous,
 )
-from gearbow.system.outputs import plot, report
+from gearbow.system.outputs import plot, report, to_fmu
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
@@ -761,6 +761,7 @@ class RotorSystem(CheckedKeywords, Shown):
     continuation = in_given_unit(continuation)
     tradeoff = tradeoff
     report = report
+    to_fmu = to_fmu
 
     def __reduce__(self) -> tuple[Callable[[dict[str, Plain]], "Self"], tuple[dict[str, Plain]]]:
         return type(self)._from_description, (self.description,)

@@ -80,6 +80,14 @@ def test_files_that_commands_write_are_named_in_json(
     assert answer(capsys, "plot", scene, "--out", figure) == {"file": str(figure)}
     page = tmp_path / "train.html"
     assert answer(capsys, "report", scene, "--out", page) == {"file": str(page)}
+    calls = []
+    monkeypatch.setattr(gb.RotorSystem, "to_fmu", lambda _, *a, **o: calls.append((a, o)))
+    unit = tmp_path / "train.fmu"
+    options = ("--torque-input", "pinion", "--speed-input", 50, 200, "--out", unit)
+    assert answer(capsys, "fmu", scene, "--speed", 100, *options) == {"file": str(unit)}
+    assert calls[0][0] == (unit, 100.0)
+    assert calls[0][1]["torque_inputs"] == ["pinion"]
+    assert calls[0][1]["speed_input"] == [50.0, 200.0]
     assert answer(capsys, "demo", "bowed_rotor", "--out", page, "--no-open") == {"file": str(page)}
     response = ("--source", "pinion:y", "--at", "pinion", "--to", "500Hz", "--points", 3)
     assert answer(capsys, "response", scene, *response)["unit"] == "m"
@@ -506,6 +514,7 @@ def test_every_command_has_examples_in_its_help(capsys):
         "tradeoff",
         "orders",
         "export",
+        "fmu",
         "identify",
         "skill",
         "schema",

@@ -25,7 +25,7 @@ DOORS = {
     "results/__init__.py": {"exchange", "identification", "studies"},  # names, likewise
     "results/frequency_response.py": {"exchange"},  # save, tables, and compare with a file
     "results/modes.py": {"exchange"},  # save, and compare with a file
-    "system/outputs.py": {"report"},  # RotorSystem.report
+    "system/outputs.py": {"exchange", "report"},  # RotorSystem.to_fmu, RotorSystem.report
     "system/rotor_system.py": {"exchange"},  # read_rexs, from_ross, save
     "system/tradeoff.py": {"studies"},  # RotorSystem.tradeoff
 }

@@ -514,6 +514,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
             "plot": {},
             "report": {"path": "x.html", "modes": 1},
             "save": {"path": "x.toml"},
+            "to_fmu": {"path": "x.fmu", "speed": 100.0},
             "thermal_bow": {"bow": gb.ThermalBow(**THERMAL), "speeds": [100.0]},
             "sensitivity": {"parameters": PARAMETERS, "of": system().modes(100.0, count=2)},
             "simulate": {"duration": 1e-3, "speed": 100.0},
