@@ -40,6 +40,7 @@ pub use table::{FilmTable, PadShape};
 pub use tilting::TiltingPads;
 
 use crate::bearing_force::{BearingForce, Matrix, Vector};
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{FilmKind, Journal, Pad, Squeeze};
 
 /// Dimensionless force f and its derivatives.
@@ -108,6 +109,13 @@ impl FilmPad {
             }
             _ => ratio,
         }
+    }
+
+    /// Whether its film is closest before its middle in the direction of a spin, so that most of it widens along the rotation.
+    fn widens(&self, spin: f64) -> bool {
+        let (sin, cos) = self.middle.sin_cos();
+        let ahead = cos * self.offset[1] - sin * self.offset[0];
+        ahead * spin.signum() < -EQUALITY_TOLERANCE
     }
 
     /// Adds its force, stiffness and damping.
@@ -216,6 +224,11 @@ impl Film {
     /// Radial clearance c, m.
     pub fn clearance(&self) -> f64 {
         self.clearance
+    }
+
+    /// Whether its pads are made for the other direction of rotation than that of a spin.
+    pub fn widens(&self, spin: f64) -> bool {
+        self.pads.iter().any(|pad| pad.widens(spin))
     }
 
     /// Part of the clearance that a journal at a displacement, m, has used at the nearest pad: 1 where it touches; the
