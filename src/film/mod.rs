@@ -138,15 +138,17 @@ impl FilmPad {
     /// without rupture.
     fn add_linear(&self, displacement: Vector, velocity: Vector, scale: f64, sum: &mut BearingForce) {
         let u = self.displacement(displacement);
-        let w = velocity.map(|value| value / self.clearance);
-        self.add_response(self.response(u, w), 0.0, scale, sum);
-        let reversed = self.response(u, w.map(|value| -value));
-        let reversed = Response {
-            force: reversed.force.map(|value| -value),
-            displacement: reversed.displacement.map(|row| row.map(|value| -value)),
-            velocity: reversed.velocity,
-        };
-        self.add_response(reversed, 0.0, scale, sum);
+        // The two parts have opposite directions at rest, too.
+        let (along, size) = direction(velocity.map(|value| value / self.clearance));
+        for sign in [1.0, -1.0] {
+            let part = self.response(u, along.map(|value| sign * value));
+            let part = Response {
+                force: part.force.map(|value| sign * size * value),
+                displacement: part.displacement.map(|row| row.map(|value| sign * size * value)),
+                velocity: part.velocity,
+            };
+            self.add_response(part, 0.0, scale, sum);
+        }
     }
 
     #[inline]
