@@ -317,6 +317,16 @@ impl NonlinearBearing {
         };
     }
 
+    /// Whether its pads are made for the other direction of rotation than that of a speed of the reference shaft.
+    pub fn opposes(&self, speed: f64) -> bool {
+        let spin = self.ratio * speed;
+        match &self.law {
+            BearingLaw::Film(film) => film.widens(spin),
+            BearingLaw::Tilting(pads) => pads.widens(spin),
+            BearingLaw::Rolling(_) | BearingLaw::Ring(_) => false,
+        }
+    }
+
     /// Coordinate and value of the tilt of a pad with which a search of the equilibrium starts at a speed of the reference shaft,
     /// rad/s: its film narrows in the direction of rotation. None for another bearing.
     pub fn initial_tilt(&self, speed: f64) -> Option<(usize, f64)> {

@@ -40,6 +40,7 @@ pub use table::{FilmTable, PadShape};
 pub use tilting::TiltingPads;
 
 use crate::bearing_force::{BearingForce, Matrix, Vector};
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{FilmKind, Journal, Pad, Squeeze};
 
 /// Dimensionless force f and its derivatives.
@@ -110,6 +111,13 @@ impl FilmPad {
         }
     }
 
+    /// Whether its film is closest before its middle in the direction of a spin, so that most of it widens along the rotation.
+    fn widens(&self, spin: f64) -> bool {
+        let (sin, cos) = self.middle.sin_cos();
+        let ahead = cos * self.offset[1] - sin * self.offset[0];
+        ahead * spin.signum() < -EQUALITY_TOLERANCE
+    }
+
     /// Adds its force, stiffness and damping.
     #[inline]
     fn add(&self, displacement: Vector, velocity: Vector, half_spin: f64, sum: &mut BearingForce) {
@@ -130,15 +138,17 @@ impl FilmPad {
     /// without rupture.
     fn add_linear(&self, displacement: Vector, velocity: Vector, scale: f64, sum: &mut BearingForce) {
         let u = self.displacement(displacement);
-        let w = velocity.map(|value| value / self.clearance);
-        self.add_response(self.response(u, w), 0.0, scale, sum);
-        let reversed = self.response(u, w.map(|value| -value));
-        let reversed = Response {
-            force: reversed.force.map(|value| -value),
-            displacement: reversed.displacement.map(|row| row.map(|value| -value)),
-            velocity: reversed.velocity,
-        };
-        self.add_response(reversed, 0.0, scale, sum);
+        // The two parts have opposite directions at rest, too.
+        let (along, size) = direction(velocity.map(|value| value / self.clearance));
+        for sign in [1.0, -1.0] {
+            let part = self.response(u, along.map(|value| sign * value));
+            let part = Response {
+                force: part.force.map(|value| sign * size * value),
+                displacement: part.displacement.map(|row| row.map(|value| sign * size * value)),
+                velocity: part.velocity,
+            };
+            self.add_response(part, 0.0, scale, sum);
+        }
     }
 
     #[inline]
@@ -216,6 +226,11 @@ impl Film {
     /// Radial clearance c, m.
     pub fn clearance(&self) -> f64 {
         self.clearance
+    }
+
+    /// Whether its pads are made for the other direction of rotation than that of a spin.
+    pub fn widens(&self, spin: f64) -> bool {
+        self.pads.iter().any(|pad| pad.widens(spin))
     }
 
     /// Part of the clearance that a journal at a displacement, m, has used at the nearest pad: 1 where it touches; the

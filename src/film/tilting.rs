@@ -81,6 +81,11 @@ impl TiltingPads {
         self.clearance
     }
 
+    /// Whether its pads are made for the other direction of rotation than that of a spin.
+    pub fn widens(&self, spin: f64) -> bool {
+        self.pads.iter().any(|pad| pad.film.widens(spin))
+    }
+
     /// Part of the clearance that the journal has used at the nearest pivot: 1 where it touches the pad there.
     pub fn nearness(&self, displacement: Vector) -> f64 {
         let at = |pad: &TiltingPad| {

@@ -14,7 +14,7 @@ mod refusals;
 
 use self::clearance::{TangentPart, check_journals, check_tilts, regularisation, within_clearances};
 use self::forces::{AtRest, Contacts, Forces, Laws, elastic_tangent, tangent_towards};
-use self::refusals::{check_balance, check_constraints, unconverged};
+use self::refusals::{check_balance, check_constraints, check_rotation, unconverged};
 use crate::connection::BearingTangent;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
@@ -114,7 +114,7 @@ pub fn equilibrium(
     check_balance(model, &null, &load, speed)?;
     let mut search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
     let near = start.and_then(|start| search.near(&load, start));
-    let q = near.map_or_else(|| search.run(&load), Ok)?;
+    let q = near.map_or_else(|| search.run(&load), Ok).map_err(|error| check_rotation(model, speeds.film, error))?;
     let residuals = search.at_rest.residuals(&q)?;
     if residuals.iter().all(|residual| *residual <= MAX_RESIDUAL) { Ok(q) } else { Err(unconverged(model, &residuals)) }
 }

@@ -49,6 +49,18 @@ REFUSALS: dict[tuple[str, str], tuple[type[Exception], str]] = {
 }
 
 
+#: Error and message of a machine that turns against its bearings.
+OTHER_SENSE = (
+    gb.SceneError,
+    r"bearings\[\d+\]: no static equilibrium at -[\d.]+ rad/s: its film narrows in the other direction of rotation",
+)
+
+
+def turns_one_way(bearing: Any) -> bool:
+    """Tell whether the film of a bearing narrows in one sense of rotation only."""
+    return getattr(bearing, "profile", None) == "offset" and bearing.offset is None
+
+
 @dataclass(eq=False)
 class Machine:
     """One machine, with the results that its tests share."""
@@ -86,7 +98,14 @@ class Machine:
             check_warnings(caught, WARNINGS.get((self.name, key), ()), possible)
         return self.results[key]
 
+    @cached_property
+    def senses(self) -> tuple[int, ...]:
+        """Senses of rotation that its bearings are made for."""
+        return (1,) if any(turns_one_way(each) for each in self.system.bearings) else (1, -1)
+
     def refusal(self, analysis: str, sense: int) -> tuple[type[Exception], str] | None:
+        if sense not in self.senses:
+            return OTHER_SENSE
         return REFUSALS.get((self.name, f"{analysis} {'+' if sense > 0 else '-'}"))
 
 

@@ -13,7 +13,7 @@ from matplotlib.path import Path
 
 from gearbow._types import Array, At
 from gearbow.description.gears import Disk
-from gearbow.description.journal import JournalBearing
+from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import BodyOutline, ShaftOutline
 from gearbow.description.loads import Torque
 from gearbow.description.places import Support, other_shaft
@@ -31,6 +31,8 @@ _ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.8}
 
 def bearing_kind(part: object) -> str:
     """Name the kind of a bearing."""
+    if isinstance(part, TiltingPadBearing):
+        return "tilting-pad bearing"
     if isinstance(part, JournalBearing):
         return "journal bearing"
     if isinstance(part, RollingBearing):
@@ -43,13 +45,17 @@ def bearing(panel: Axes, kind: str, x: float, y: float, point: float) -> Box:
     """Draw a bearing below the surface of a shaft."""
     size = BEARING * point
     half = size / 2.0
-    face = "black" if kind == "journal bearing" else "white"
+    is_film = kind in ("journal bearing", "tilting-pad bearing")
+    face = "black" if is_film else "white"
     style: dict[str, Any] = {"ec": "black", "fc": face, "lw": 1.3, "zorder": 5.0}
     if kind == "bearing":
         corners = [(x, y), (x - 0.6 * size, y - size), (x + 0.6 * size, y - size)]
         panel.add_patch(Polygon(corners, **{**style, "fc": "0.8"}))
-    elif kind == "journal bearing":
-        panel.add_patch(Rectangle((x - size, y - half), 2.0 * size, half, **style))
+    elif is_film:
+        # A shell around the shaft, or three pads, on a foot.
+        lefts, width = ([-1.0, -0.25, 0.5], 0.5) if kind.startswith("tilting") else ([-1.0], 2.0)
+        for left in lefts:
+            panel.add_patch(Rectangle((x + left * size, y - half), width * size, half, **style))
         panel.add_patch(Rectangle((x - 0.3 * size, y - size), 0.6 * size, half, **style))
     else:
         panel.add_patch(Rectangle((x - half, y - size), size, size, **style))
@@ -66,7 +72,7 @@ def bearing(panel: Axes, kind: str, x: float, y: float, point: float) -> Box:
             # The line of contact, through which the shaft presses on the outer ring.
             ends = x + side * half * np.array([-0.6, 0.6])
             panel.plot(ends, [y, y - size], color="black", linewidth=2.2, zorder=6.5)
-    reach = size if kind == "journal bearing" else 0.6 * size
+    reach = size if is_film else 0.6 * size
     return x - reach, y - size, x + reach, y
 
 
@@ -130,7 +136,8 @@ def kinds(train: Train) -> list[str]:
 def handles(kinds: list[str]) -> list[Any]:
     """Give the handles of a legend of symbols."""
     marks = {"bearing": "^", "journal bearing": "s", "ball bearing": "o", "roller bearing": "X"}
-    fills = {"bearing": "0.8", "journal bearing": "black"}
+    marks["tilting-pad bearing"] = "D"
+    fills = {"bearing": "0.8", "journal bearing": "black", "tilting-pad bearing": "black"}
     found: list[Any] = []
     for kind in kinds:
         if kind.endswith(_SIDES[1]):

@@ -277,8 +277,10 @@ class _Modes:
         factor = np.linalg.inv(np.linalg.cholesky(found.mass))
         stiffness = (found.stiffness + found.stiffness.T) / 2.0
         squares, vectors = np.linalg.eigh(factor @ stiffness @ factor.T)
-        shapes = factor.T @ vectors
-        frequencies = np.sqrt(np.maximum(squares, 0.0))
+        # Directions of negative stiffness, which oil films have, are no rigid-body motions.
+        order = np.argsort(np.abs(squares))
+        shapes = factor.T @ vectors[:, order]
+        frequencies = np.sqrt(np.abs(squares[order]))
         rigid = int(np.sum(frequencies < 1e-6 * frequencies[-1])) if frequencies.size else 0
         return cls(shapes, frequencies, shapes.T @ found.mass, rigid)
 

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::{EquilibriumError, MAX_RESIDUAL};
 use crate::model::{Dof, DofKind, Model};
 use crate::numerics::{EQUALITY_TOLERANCE, ROUND_OFF};
-use crate::scene::{SceneError, short};
+use crate::scene::{EntryPath, SceneError, short};
 
 /// Refuses a load that drives a null motion. The error says whether a bearing or a torque is missing.
 pub(super) fn check_balance(
@@ -116,6 +116,22 @@ pub(super) fn check_constraints(carried: &DVector<f64>, load: &DVector<f64>) -> 
     }
     let message = "no static equilibrium: the stiffness of a bearing is singular and not symmetric, so that it leaves a motion unconstrained on which its own force acts";
     Err(SceneError::new("bearings", message).into())
+}
+
+/// The error of a search that failed: at a bearing whose pads are made for the other direction of rotation, this is the reason.
+pub(super) fn check_rotation(model: &Model, speed: f64, error: EquilibriumError) -> EquilibriumError {
+    if matches!(error, EquilibriumError::Overlap { .. }) {
+        return error;
+    }
+    match model.nonlinear_bearings.iter().find(|bearing| bearing.opposes(speed)) {
+        Some(bearing) => EntryPath::entry("bearings", bearing.number)
+            .error(format!(
+                "no static equilibrium at {} rad/s: its film narrows in the other direction of rotation; change the sign of the speed, or give its lobes 1 - offset",
+                short(speed)
+            ))
+            .into(),
+        None => error,
+    }
 }
 
 /// The error for forces that do not balance, on the shaft or housing with the largest residual.

@@ -139,6 +139,26 @@ def test_an_offset_bearing_follows_the_direction_of_rotation():
     np.testing.assert_allclose(backward, forward * [-1.0, 1.0], atol=1e-6 * abs(forward).max())
 
 
+def test_an_offset_bearing_names_the_direction_that_it_does_not_carry_in():
+    system = rotor("offset")
+    message = "bearings[0]: no static equilibrium at -300 rad/s: its film narrows in the other direction of rotation"
+    for ask in (
+        lambda: system.static(speed=-300.0),
+        lambda: system.modes(-300.0, count=2),
+        lambda: system.simulate(0.01, -300.0),
+    ):
+        with pytest.raises(gb.SceneError, match="^" + re.escape(message)):
+            ask()
+    # with its halves the other way about it carries in this direction
+    other = rotor("offset", offset=1.0 - (0.5 + 90.0 / 160.0))
+    forward, backward = system.static(speed=300.0), other.static(speed=-300.0)
+    np.testing.assert_allclose(
+        backward.displacement("d"), forward.displacement("d") * [-1.0, 1.0], atol=1e-9
+    )
+    # a small offset carries in both
+    assert rotor("lemon", offset=0.6).static(speed=-300.0).residual < 1e-6
+
+
 def test_a_lemon_bore_is_stable_beyond_the_threshold_of_a_plain_bore():
     speeds = np.linspace(150.0, 1500.0, 19)
 

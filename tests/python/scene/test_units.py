@@ -162,6 +162,7 @@ LISTS = {
     gb.Mesh: "meshes",
     gb.Bearing: "bearings",
     gb.JournalBearing: "bearings",
+    gb.TiltingPadBearing: "bearings",
     gb.RollingBearing: "bearings",
     gb.Torque: "torques",
     gb.Disk: "disks",
@@ -181,6 +182,8 @@ INNER = {
     gb.TransmissionError: "meshes[0].error",
     gb.MeshFriction: "meshes[0].friction",
     gb.SpeedTable: "bearings[0].stiffness",
+    gb.Pad: "bearings[0].pads[0]",
+    gb.SqueezeFilm: "bearings[0].support",
 }
 
 

@@ -430,3 +430,17 @@ def test_an_interrupted_branch_keeps_its_points():
     assert len(table) == kept.values.size
     assert table.columns[1:3].tolist() == ["stable", "kind"]
     np.testing.assert_array_equal(table.iloc[:, -1], kept.amplitude(MESH))
+
+
+def test_tilting_pads_keep_their_tilt_along_a_branch():
+    # the symmetric part of the stiffness of a loaded pad is negative in one direction, which is no rigid-body motion
+    size = {"diameter": 0.06, "length": 0.03, "clearance": 1e-4, "viscosity": 0.02}
+    pads = [gb.TiltingPadBearing("s", x, **size, pad_count=5, pad_inertia=1e-4) for x in (0.1, 0.7)]
+    shaft = gb.Shaft("s", length=0.8, outer_diameter=0.06, elements=2, bow=gb.Bow.half_sine(2e-5))
+    disk = gb.Disk("d", "s", 0.4, mass=15.0, diametral_inertia=0.1, polar_inertia=0.2)
+    system = gb.RotorSystem([shaft], disks=[disk], bearings=pads, gravity=9.81, motion="lateral")
+    found = system.continuation("speed", 300.0, 300.5, first_step=0.5, record=["d"], max_points=20)
+    steady = system.steady_state(float(found.values[-1]), record=["d"]).response
+    expected = 0.5 * np.ptp(steady.displacement("d")[:, 0])
+    # the instants of the samples miss the extremes by 1e-3 of them
+    assert found.amplitude("d", "y")[-1] == pytest.approx(expected, rel=5e-3)
