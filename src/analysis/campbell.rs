@@ -58,14 +58,14 @@ pub enum ExcitationSource {
     Mesh(usize),
 }
 
-/// An excitation line ω = order·Ω, with the speed Ω of the reference shaft.
+/// An excitation line ω = order·Ω ≥ 0, with the speed Ω of the reference shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct ExcitationLine {
     /// Source of the excitation.
     pub source: ExcitationSource,
     /// Harmonic of the frequency of the source.
     pub harmonic: u32,
-    /// Frequency relative to the speed of the reference shaft.
+    /// Frequency relative to the speed of the reference shaft, with the sign of the speeds.
     pub order: f64,
 }
 
@@ -95,23 +95,24 @@ pub struct Campbell {
     pub whirl: Vec<Vec<Whirl>>,
     /// Excitation lines.
     pub lines: Vec<ExcitationLine>,
-    /// Intersections in ascending order of speed.
+    /// Intersections in ascending order of |Ω|.
     pub intersections: Vec<Intersection>,
-    /// Speeds at which modes become unstable or stable, in ascending order.
+    /// Speeds at which modes become unstable or stable, in ascending order of |Ω|.
     pub thresholds: Vec<Threshold>,
 }
 
-/// Excitation lines of the rotation of every shaft and of `harmonics` harmonics of every mesh frequency.
-pub fn lines(cached: &CachedModel, harmonics: u32) -> Vec<ExcitationLine> {
+/// Excitation lines of the rotation of every shaft and of `harmonics` harmonics of every mesh frequency, at speeds with the sign
+/// `sense`.
+pub fn lines(cached: &CachedModel, harmonics: u32, sense: f64) -> Vec<ExcitationLine> {
     let scene = &cached.model.scene;
     let turning = |(shaft, ratio): (usize, &f64)| ExcitationLine {
         source: ExcitationSource::Shaft(shaft),
         harmonic: 1,
-        order: ratio.abs(),
+        order: ratio.abs() * sense,
     };
     let teeth = scene.meshes.iter().enumerate().flat_map(|(index, mesh)| {
         let gear = &scene.gears[mesh.driver];
-        let order = f64::from(gear.teeth) * scene.speed_ratios[gear.body.node.shaft].abs();
+        let order = f64::from(gear.teeth) * scene.speed_ratios[gear.body.node.shaft].abs() * sense;
         let line = move |harmonic| ExcitationLine {
             source: ExcitationSource::Mesh(index),
             harmonic,
@@ -122,10 +123,10 @@ pub fn lines(cached: &CachedModel, harmonics: u32) -> Vec<ExcitationLine> {
     scene.speed_ratios.iter().enumerate().map(turning).chain(teeth).collect()
 }
 
-/// Tracks the `count` lowest modes over ascending `speeds`, rad/s, and intersects them with [`lines`].
+/// Tracks the `count` lowest modes over `speeds` of one sign and of ascending magnitude, rad/s, and intersects them with [`lines`].
 ///
 /// # Errors
-/// [`AnalysisError`] if the speeds are negative or do not ascend, a decomposition fails, or `interrupt` requests a stop.
+/// [`AnalysisError`] if the speeds have both signs or their magnitudes do not ascend, a decomposition fails, or `interrupt` requests a stop.
 pub fn campbell(
     cached: &CachedModel,
     speeds: &[f64],
@@ -134,11 +135,17 @@ pub fn campbell(
     threads: &Threads,
     interrupt: &Interrupt,
 ) -> Result<Campbell, AnalysisError> {
+    let sense = sense_of(speeds);
     for (index, speed) in speeds.iter().enumerate() {
         let place = EntryPath::entry("speeds", index);
-        place.non_negative(*speed)?;
-        if index > 0 && *speed <= speeds[index - 1] {
-            return Err(place.error(format!("must be larger than the previous speed, got {speed}")).into());
+        place.finite(*speed)?;
+        if *speed * sense < 0.0 {
+            let message = format!("must have the sign of the last speed, {}, got {speed}", speeds[speeds.len() - 1]);
+            return Err(place.error(message).into());
+        }
+        if index > 0 && speed.abs() <= speeds[index - 1].abs() {
+            let message = format!("must be farther from zero than the previous speed, got {speed}");
+            return Err(place.error(message).into());
         }
     }
     let mut tracker = Tracker::new(cached, speeds, count, harmonics, threads, interrupt)?;
@@ -155,9 +162,9 @@ pub fn campbell(
         diagram.whirl.push(tracker.modes.iter().map(|mode| mode.whirl).collect());
     }
     diagram.intersections = tracker.intersections;
-    diagram.intersections.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.mode.cmp(&b.mode)));
+    diagram.intersections.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()).then(a.mode.cmp(&b.mode)));
     diagram.thresholds = tracker.thresholds;
-    diagram.thresholds.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.mode.cmp(&b.mode)));
+    diagram.thresholds.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()).then(a.mode.cmp(&b.mode)));
     Ok(diagram)
 }
 
@@ -195,6 +202,8 @@ struct Tracker<'a> {
     projected: Option<Projected<'a>>,
     /// Number of modes that are computed at each speed.
     wanted: usize,
+    /// Sign of the speeds.
+    sense: f64,
     lines: Vec<ExcitationLine>,
     /// Current speed, rad/s; None before the first speed.
     speed: Option<f64>,
@@ -217,6 +226,7 @@ impl<'a> Tracker<'a> {
         // Of bearings that depend on speed or frequency, those of one speed and frequency are as good as any for the inner product.
         let basis = cached.at(speeds.first().copied().unwrap_or(0.0), cached.model.lowest_frequency())?;
         let wanted = count.saturating_add(FURTHER_MODES);
+        let sense = sense_of(speeds);
         let mut tracker = Self {
             cached,
             threads,
@@ -225,7 +235,8 @@ impl<'a> Tracker<'a> {
             projected: None,
             basis,
             wanted,
-            lines: lines(cached, harmonics),
+            sense,
+            lines: lines(cached, harmonics, sense),
             speed: None,
             modes: Vec::new(),
             previous: Vec::new(),
@@ -236,7 +247,7 @@ impl<'a> Tracker<'a> {
             // Forward and backward modes are equal at standstill; their shapes differ at a small speed.
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
             if !cached.model.depends_on_frequency() {
-                let modes = lowest_modes(cached, beyond_standstill(start), count, ModeSelection::Vibrations)?;
+                let modes = lowest_modes(cached, beyond_standstill(start, sense), count, ModeSelection::Vibrations)?;
                 tracker.modes = modes.into_iter().map(|mode| State::new(&tracker.basis.model, start, mode)).collect();
                 return Ok(tracker);
             }
@@ -259,7 +270,7 @@ impl<'a> Tracker<'a> {
 
     fn at(&self, speed: f64) -> Result<Arc<Vec<State>>, AnalysisError> {
         self.interrupt.check()?;
-        let speed = beyond_standstill(speed);
+        let speed = beyond_standstill(speed, self.sense);
         let count = if self.is_partial() { self.wanted } else { usize::MAX };
         let mut modes = lowest_modes_in_tables(self.cached, speed, count)?;
         if self.cached.model.depends_on_frequency() && modes.len() < self.modes.len() {
@@ -377,7 +388,7 @@ impl<'a> Tracker<'a> {
     /// lowest modes.
     fn advance_to(&mut self, speed: f64) -> Result<(), AnalysisError> {
         let mut halved = 0;
-        while self.can_follow() && speed > 0.0 && halved <= MAX_FOLLOWED_HALVINGS {
+        while self.can_follow() && speed != 0.0 && halved <= MAX_FOLLOWED_HALVINGS {
             let target = self.speed.map_or(speed, |from| speed - (speed - from) * (1.0 - 0.5_f64.powi(halved)));
             match self.followed(target)? {
                 Some(states) => {
@@ -546,8 +557,10 @@ impl<'a> Tracker<'a> {
             let ends = [(low.0, &low.1), (high.0, &high.1)];
             // Newton's method may find another mode on the line: accept it only if its shape correlates with this mode.
             if let Some(found) = self.modes_near(Unknown::Speed(order), vec![start])?.pop() {
-                let (speed, slack) = (found.eigenvalue.im / order, EQUALITY_TOLERANCE * high.0);
-                if speed >= low.0 - slack && speed <= high.0 + slack && is_like(ends, &found) {
+                let speed = found.eigenvalue.im / order;
+                let [part, slack] =
+                    [(speed - low.0) / (high.0 - low.0), EQUALITY_TOLERANCE * high.0 / (high.0 - low.0)];
+                if part >= -slack && part <= 1.0 + slack && is_like(ends, &found) {
                     return Ok((speed, found));
                 }
             }
@@ -569,9 +582,14 @@ fn most_like<'s>(ends: [(f64, &State); 2], states: &'s [State]) -> Option<&'s St
     states.iter().max_by(|a, b| like(a).total_cmp(&like(b)))
 }
 
-/// A speed at which the flanks in contact are those of a positive speed.
-fn beyond_standstill(speed: f64) -> f64 {
-    if speed == 0.0 { f64::MIN_POSITIVE } else { speed }
+/// Sign of speeds that have one sign: 1 for standstill alone.
+fn sense_of(speeds: &[f64]) -> f64 {
+    if speeds.last().is_some_and(|speed| *speed < 0.0) { -1.0 } else { 1.0 }
+}
+
+/// A speed at which the flanks in contact are those of speeds with the sign `sense`.
+fn beyond_standstill(speed: f64, sense: f64) -> f64 {
+    if speed == 0.0 { sense * f64::MIN_POSITIVE } else { speed }
 }
 
 /// Whether a mode between two speeds is that of the `ends`: its shape is close to one of them.

@@ -5,9 +5,7 @@ mod speed_dependent;
 
 use super::modes::{require, uses_bands};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{
-    self, CachedModel, CriticalProblem, EquationForces, FORWARD, ModeAtSpeed, Residuals, SpectralRange, Whirl,
-};
+use crate::modal::{self, CachedModel, CriticalProblem, EquationForces, ModeAtSpeed, Residuals, SpectralRange, Whirl};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
@@ -23,21 +21,22 @@ pub struct Critical {
     pub residual: f64,
 }
 
-/// The lowest speeds Ω, in ascending order and at most `count`, at which an undamped mode has the frequency `order`·Ω (Nelson and McVaugh, J. Eng.
-/// Ind. 98, 1976, who use the whirl ratio instead).
+/// The speeds Ω nearest to zero, in ascending order of |Ω| and at most `count`, at which an undamped mode has the frequency
+/// `order`·Ω > 0 (Nelson and McVaugh, J. Eng. Ind. 98, 1976, who use the whirl ratio instead). A negative order asks for negative
+/// speeds.
 ///
 /// Where bearings depend on the speed, each critical speed is found with the stiffness at that same speed, or at the frequency
 /// `order`·Ω; a table that does not hold its end values has no critical speeds outside its range.
 ///
 /// # Errors
-/// [`AnalysisError`] if `order` is not positive, a decomposition fails, or `interrupt` requests a stop.
+/// [`AnalysisError`] if `order` is zero or not finite, a decomposition fails, or `interrupt` requests a stop.
 pub fn critical_speeds(
     cached: &CachedModel,
     order: f64,
     count: usize,
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
-    EntryPath::root("order").positive(order)?;
+    let sense = sense_of(order)?;
     if let Some(journal) =
         cached.model.nonlinear_bearings.iter().find(|bearing| bearing.is_journal() || bearing.is_squeeze())
     {
@@ -45,7 +44,7 @@ pub fn critical_speeds(
             "the damping of an oil film is too large for undamped critical speeds; use campbell() or synchronous()";
         return Err(EntryPath::entry("bearings", journal.number).error(message).into());
     }
-    let lowest = cached.model.lowest_speed().unwrap_or(FORWARD);
+    let lowest = cached.model.lowest_speed().unwrap_or(1.0) * sense;
     // Without damping, the internal damping of a shaft has no circulatory forces either.
     let undamped = cached.model.has_internal_damping() && cached.model.bearings.is_empty();
     let at_speed = if undamped { cached.at_speed(0.0)? } else { cached.with_operating_points_of(lowest)? };
@@ -55,7 +54,17 @@ pub fn critical_speeds(
         found.truncate(count);
         return Ok(found);
     }
-    named(&cached.model, cached.spectral_range(FORWARD)?, &modes(cached, order, count)?, interrupt)
+    named(&cached.model, cached.spectral_range(sense)?, &modes(cached, order, count)?, interrupt)
+}
+
+/// The sense of rotation in which undamped modes have the frequency `order`·Ω > 0.
+fn sense_of(order: f64) -> Result<f64, AnalysisError> {
+    let place = EntryPath::root("order");
+    place.finite(order)?;
+    if order == 0.0 {
+        return Err(place.error("must not be zero").into());
+    }
+    Ok(order.signum())
 }
 
 /// The `count` lowest critical speeds of a model whose coefficients do not depend on the speed, with their modes.
@@ -68,7 +77,7 @@ fn modes(cached: &CachedModel, order: f64, count: usize) -> Result<Vec<ModeAtSpe
         Some(found) => found,
         None => {
             Dense::Undamped.require(&cached.model)?;
-            CriticalProblem::new(cached, 1.0)?.critical(order)?
+            CriticalProblem::new(cached, order)?.critical(order)?
         }
     };
     found.truncate(count);
@@ -87,7 +96,8 @@ fn named(
     modes: &[ModeAtSpeed],
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
-    let mut residuals = Residuals::new(model, range, FORWARD, EquationForces::Undamped);
+    let Some(first) = modes.first() else { return Ok(Vec::new()) };
+    let mut residuals = Residuals::new(model, range, first.speed, EquationForces::Undamped);
     let mut critical = Vec::with_capacity(modes.len());
     for ModeAtSpeed { speed, eigenvalue, shape } in modes {
         interrupt.check()?;

@@ -22,7 +22,7 @@ pub use damped::{
 };
 pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{
-    Eigenpair, FORWARD, FullEquations, Highest, MAX_DENSE, MIN_BANDED, ModeAtSpeed, ModeSelection, ModeSpace, Unknown,
+    Eigenpair, FullEquations, Highest, MAX_DENSE, MIN_BANDED, ModeAtSpeed, ModeSelection, ModeSpace, Unknown,
     ascending, lowest_critical, mode_near, vibrates,
 };
 pub use state_space::{MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};

@@ -192,10 +192,11 @@ def drawn(name: str, text: str) -> Argument:
 
 def spaced(given: argparse.Namespace) -> Array:
     """Give the values of --from, --to and --points."""
-    if given.points < 2 or not given.last > given.first:
+    is_after = given.last > given.first or given.last < -abs(given.first)
+    if given.points < 2 or not is_after:
         raise SceneError(
-            f"--to: need --points of at least 2 and --to above --from, got {given.points} points "
-            f"from {given.first:g} to {given.last:g} rad/s"
+            f"--to: need --points of at least 2, and --to above --from or, of negative speeds, "
+            f"below it, got {given.points} points from {given.first:g} to {given.last:g} rad/s"
         )
     values: Array = np.linspace(given.first, given.last, given.points)
     is_rpm = given_unit((given.first, given.last)) == "rpm"

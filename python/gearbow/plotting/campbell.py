@@ -74,7 +74,7 @@ def campbell(
     """Draw frequencies and damping ratios against the speed."""
     factor, label = speed_axis()
     top = 1.08 * float(frequencies_hz.max(initial=1.0))
-    last = max(float(speeds[-1]), *(operating or (0.0,)))
+    last = max(float(speeds[-1]), *(operating or (0.0,)), key=abs)
     # The whirl at speed 0 has no direction: take that of the second speed.
     if len(speeds) > 1:
         whirl = np.concatenate([whirl[1:2], whirl[1:]])
@@ -94,7 +94,9 @@ def campbell(
             _by_whirl(upper, (factor * speeds, own), (x, known[:, 1]), kinds)
             ratios = 100.0 * damping_ratios[:, mode]
             _by_whirl(lower, (factor * speeds, ratios), (x, known[:, 2]), kinds)
-        ends = factor * speeds[0], factor * max(last, speeds[0] + 1.0)
+        # Negative speeds run from standstill to the left.
+        far = last if abs(last) >= abs(speeds[0]) + 1.0 else speeds[0] + np.copysign(1.0, last)
+        ends = factor * speeds[0], factor * far
         for panel in axes:
             panel.set_xlim(*ends)
         upper.set_ylim(0.0, top)
@@ -187,17 +189,23 @@ class _Above:
 def _excitation_lines(panel: Axes, lines: Sequence[tuple[str, float]]) -> None:
     """Draw excitation lines within a panel with final limits, with their names at the ends."""
     (first, last), top = panel.get_xlim(), panel.get_ylim()[1]
+    # Speeds of both senses have their sizes here.
+    sense = np.copysign(1.0, last)
+    first, last = abs(first), abs(last)
     style: dict[str, Any] = {"fontsize": text_size(0.86)}
     shift: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": False}
     panel_size = panel.get_window_extent()
     beside: list[tuple[float, str]] = []
     above: list[_Above] = []
     for name, slope in sorted(lines, key=lambda line: abs(line[1])):
+        slope = abs(slope)  # noqa: PLW2901
         reach = min(last, 2.0 * np.pi * top / slope) if slope else last
         if reach < first:
             continue
         path = np.array([0.0, reach])
-        panel.plot(path, slope * path / (2.0 * np.pi), color="0.45", linewidth=1.0, label=name)
+        panel.plot(
+            sense * path, slope * path / (2.0 * np.pi), color="0.45", linewidth=1.0, label=name
+        )
         if reach == last:
             beside.append((slope * reach / (2.0 * np.pi), name))
             continue
@@ -216,10 +224,10 @@ def _excitation_lines(panel: Axes, lines: Sequence[tuple[str, float]]) -> None:
         at = max(end, free + half)
         free = at + half
         aside: dict[str, Any] = {"xytext": (5, 0), "va": "center", "ha": "left"}
-        panel.annotate(name, (last, at), **aside, **shift, **style)
+        panel.annotate(name, (sense * last, at), **aside, **shift, **style)
     for group in above:
         upon: dict[str, Any] = {"xytext": (0, 3), "va": "bottom", "ha": "center"}
-        panel.annotate("\n".join(group.names), (group.reach, top), **upon, **shift, **style)
+        panel.annotate("\n".join(group.names), (sense * group.reach, top), **upon, **shift, **style)
 
 
 def _by_whirl(
@@ -236,7 +244,7 @@ def _by_whirl(
         shade, line, mark = MARKS[str(whirl[first])]
         # Each piece begins at the last point of the previous one, so that the line has no gap.
         ends = speeds[max(first - 1, 0)], speeds[last - 1]
-        within = (x >= ends[0]) & (x <= ends[1])
+        within = (x >= min(ends)) & (x <= max(ends))
         panel.plot(x[within], y[within], color=shade, linestyle=line, label=str(whirl[first]))
         panel.plot(
             speeds[first:last],
@@ -270,13 +278,13 @@ def critical_speed_map(
             }
             for number, speeds in enumerate(lines[whirl].T if whirl in lines else ()):
                 label = whirl if number == 0 else None
-                panel.plot(stiffnesses, factor * speeds, label=label, **style)
+                panel.plot(stiffnesses, factor * np.abs(speeds), label=label, **style)
         panel.set_xscale("log")
         log_scale(panel)
         if actual:
             _span(panel, min(actual), max(actual), "stiffness of the system")
         panel.set(xlabel="stiffness of every bearing [N/m]")
-        panel.set(ylabel=f"critical {axis}")
+        panel.set(ylabel=f"critical {axis}" + (" × −1" if order < 0.0 else ""))
         if order != 1.0:
             panel.set(title=f"excitation of the order {order:g}")
         legend(figure, panel, ax=ax)

@@ -184,12 +184,6 @@ def campbell(contents: Contents) -> Iterator[Block]:
     """Show the Campbell diagram."""
     found = contents.campbell
     operating = contents.options.operating
-    if contents.speed < 0.0:
-        yield Note(
-            say(
-                "The diagram is that of positive speeds; it shades the size of the operating speed."
-            )
-        )
     yield picture(found.plot(operating=operating), say("Campbell diagram. Grey: operating speed."))
     if found.intersections or found.thresholds:
         title = say("Intersections and stability thresholds")
@@ -202,9 +196,8 @@ def criticals(contents: Contents) -> Iterator[Block]:
     """Give separation margins and amplification factors."""
     operating = contents.options.operating
     found = contents.campbell.criticals
-    span = None if operating is None else (abs(operating[0]), abs(operating[1]))
     if found:
-        peaks = resonances_of(found, span)
+        peaks = resonances_of(found, operating)
         yield Table.of(
             say("Critical speeds of the Campbell diagram, with the amplification factor 1/(2ζ)"),
             [
@@ -262,7 +255,7 @@ API_684 = (
 
 def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
     """Name the critical speeds that are nearest to the operating speed, in ascending order."""
-    unit, speed = contents.options.unit, abs(contents.speed)
+    unit, speed = contents.options.unit, contents.speed
     near = sorted(
         (one for one in found if one.damping_ratio < _OVERDAMPED),
         key=lambda one: abs(one.speed - speed),
@@ -271,7 +264,7 @@ def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
         return say("No shaft excites a lightly damped mode at its own frequency.")
     texts = [
         f"{speed_factor(unit) * one.speed:.4g} ({one.line.name}, {word(one.whirl)})"
-        for one in sorted(near, key=lambda one: one.speed)
+        for one in sorted(near, key=lambda one: abs(one.speed))
     ]
     speeds = ", ".join(texts)
     if len(near) == len(found):

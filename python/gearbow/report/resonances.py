@@ -16,9 +16,8 @@ from gearbow.results.campbell import Intersection
 
 def resonances(contents: Contents) -> Iterator[Block]:
     """List the modes that orders of shafts and teeth meet near the operating speed."""
-    found, operating = contents.near, contents.options.operating
-    assert operating is not None
-    span = (abs(operating[0]), abs(operating[1]))
+    found, span = contents.near, contents.options.operating
+    assert span is not None
     limits = {
         "low": contents.text(float(found.speeds[0])),
         "high": contents.text(float(found.speeds[-1])),
@@ -62,7 +61,7 @@ def resonances(contents: Contents) -> Iterator[Block]:
         Column("frequency", np.array([one.frequency_hz for one in near]), "Hz", ".3f"),
         Column("whirl", [one.whirl for one in near]),
         Column("excited by", [one.line.name for one in near]),
-        Column("order", np.array([one.line.order for one in near])),
+        Column("order", np.array([abs(one.line.order) for one in near])),
         Column("speed", np.array([one.speed for one in near]), "rad/s", ".2f"),
         Column("distance", distance, "%", "+.1f"),
         Column("response", _responses(contents, near)),
@@ -102,7 +101,7 @@ def resonances(contents: Contents) -> Iterator[Block]:
 
 
 def _distance(speed: float, span: tuple[float, float]) -> float:
-    """Give the distance of a speed from the operating speeds [%]; 0 between them."""
+    """Give the distance of a speed from the operating speeds of its sign [%]; 0 between them."""
     low, high = span
     return 100.0 * (min(speed / low - 1.0, 0.0) + max(speed / high - 1.0, 0.0))
 

@@ -191,13 +191,15 @@ class Contents:
         return self.kept("campbell", self._campbell)  # type: ignore[no-any-return]
 
     def _campbell(self) -> Campbell:
-        speeds = np.sort(np.abs(self._speeds()))
-        if speeds.size > _DIAGRAM_SPEEDS:
-            speeds = speeds[np.linspace(0, speeds.size - 1, _DIAGRAM_SPEEDS).round().astype(int)]
-        if speeds[0] < abs(self.speed) < speeds[-1]:
+        given = self._speeds()
+        sense = np.sign(self.speed) or np.sign(given[np.abs(given).argmax()]) or 1.0
+        sizes = np.unique(np.abs(given))
+        if sizes.size > _DIAGRAM_SPEEDS:
+            sizes = sizes[np.linspace(0, sizes.size - 1, _DIAGRAM_SPEEDS).round().astype(int)]
+        if sizes[0] < sense * self.speed < sizes[-1]:
             # There the modes have the numbers of the other sections.
-            added = np.union1d(speeds, [abs(self.speed)])
-            speeds = added.view(type(speeds))
+            sizes = np.union1d(sizes, [abs(self.speed)])
+        speeds = (sense * sizes).view(type(given))
         # The modes that were asked for, without rigid-body motions, which do not count there.
         last = self.modes._vibrations()[: self.options.modes][-1:]
         rigid = sum(whirl == "rigid" for whirl in self.modes.whirl)
@@ -214,7 +216,7 @@ class Contents:
         ends = tuple(map(abs, self.options.operating))
         wanted = np.array([BELOW * ends[0], *ends, ABOVE * ends[1]])
         low, high = table_range(self.system)
-        speeds = np.unique(np.clip(wanted, low, high))
+        speeds = np.copysign(np.unique(np.clip(wanted, low, high)), self.speed)
         rigid = sum(whirl == "rigid" for whirl in self.modes.whirl)
         return self.system.campbell(speeds, count=max(1, len(self.modes.whirl) - rigid))  # type: ignore[no-any-return]
 
@@ -228,7 +230,7 @@ class Contents:
 
     def numbers(self, diagram: Campbell) -> list[int]:
         """Give the numbers that the modes of a diagram have at the operating speed, from 1."""
-        at = int(np.abs(diagram.speeds - abs(self.speed)).argmin())
+        at = int(np.abs(diagram.speeds - self.speed).argmin())
         own, others = self.modes.eigenvalues, diagram.eigenvalues[at]
         distances = np.abs(others[:, np.newaxis] - own)
         found: dict[int, int] = {}
@@ -356,7 +358,7 @@ def reason_of(error: Exception) -> str:
 
 
 def table_range(system: Any) -> tuple[float, float]:
-    """Give the speeds that every table of bearing coefficients contains [rad/s]."""
+    """Give the sizes of the speeds that every table of bearing coefficients contains [rad/s]."""
     of_shaft, low, high = ratios_by_shaft(system), 0.0, math.inf
     for bearing in system.bearings:
         inner = other_shaft(bearing.support)

@@ -39,7 +39,8 @@ class StabilityThreshold(Shown):
     whirl : str
         Whirl of the mode at this speed.
     above : {"unstable", "stable"}
-        The mode at higher speeds. Unstable means a negative damping ratio: each disturbance grows.
+        The mode at speeds farther from zero. Unstable means a negative damping ratio: each
+        disturbance grows.
     residual : float
         The larger one of ``|Re λ|/|λ|`` and the residual of the mode, as `Modes.residuals`.
 
@@ -86,11 +87,11 @@ def unstable_ranges(
 
 
 def _merged(ranges: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Unite overlapping ranges."""
+    """Unite overlapping ranges, each from its speed nearest to zero, of speeds of one sign."""
     united: list[tuple[float, float]] = []
-    for low, high in sorted(ranges):
-        if united and low <= united[-1][1]:
-            united[-1] = united[-1][0], max(high, united[-1][1])
+    for low, high in sorted(ranges, key=lambda ends: (abs(ends[0]), abs(ends[1]))):
+        if united and abs(low) <= abs(united[-1][1]):
+            united[-1] = united[-1][0], max(high, united[-1][1], key=abs)
         else:
             united.append((low, high))
     return tuple(united)
@@ -109,7 +110,7 @@ class ExcitationLine(Shown):
     harmonic : int
         The harmonic of the tooth frequency; 1 for a shaft.
     order : float
-        Frequency divided by the speed of the reference shaft, not negative.
+        Frequency divided by the speed of the reference shaft: negative at negative speeds.
 
     Examples
     --------
@@ -190,7 +191,7 @@ class Campbell(WithSpeeds, Result, ReadOnly):
     Parameters
     ----------
     speeds : ndarray, shape (k,)
-        Speeds of the reference shaft [rad/s].
+        Speeds of the reference shaft [rad/s], of one sign.
     eigenvalues : ndarray, shape (k, m)
         Complex eigenvalues [1/s]. A mode keeps its column where frequencies cross.
     whirl : ndarray of str, shape (k, m)
@@ -198,9 +199,9 @@ class Campbell(WithSpeeds, Result, ReadOnly):
     lines : tuple of ExcitationLine
         Rotation of every shaft, and tooth frequencies of every mesh.
     intersections : tuple of Intersection
-        Intersections of modes and lines, by ascending speed.
+        Intersections of modes and lines, from standstill on.
     thresholds : tuple of StabilityThreshold
-        Speeds at which the damping of a mode changes its sign, by ascending speed. A negative
+        Speeds at which the damping of a mode changes its sign, from standstill on. A negative
         damping ratio means that the mode is unstable.
 
     Notes
@@ -314,7 +315,7 @@ class Campbell(WithSpeeds, Result, ReadOnly):
         Returns
         -------
         tuple of Intersection
-            By ascending speed. Backward modes are included, because unbalance excites them if
+            From standstill on. Backward modes are included, because unbalance excites them if
             bearings or meshes are anisotropic.
         """
         return tuple(
@@ -328,7 +329,7 @@ class Campbell(WithSpeeds, Result, ReadOnly):
         Returns
         -------
         tuple of (float, float)
-            Lowest and highest speed of each range [rad/s], by ascending speed. They end at a
+            First and last speed of each range [rad/s], from standstill on. They end at a
             threshold, or at an end of `speeds`.
         """
         return unstable_ranges(self.speeds, self.eigenvalues, self.thresholds)
@@ -337,12 +338,12 @@ class Campbell(WithSpeeds, Result, ReadOnly):
         return [f"intersections and stability thresholds, {self._speed_text(self.speeds)}"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each intersection and threshold, by ascending speed."""
+        """Give a row for each intersection and threshold, from standstill on."""
         rows: list[tuple[Intersection | StabilityThreshold, float, str]] = [
             (one, one.damping_ratio, one.line.name) for one in self.intersections
         ]
         rows += [(one, 0.0, f"itself: {one.above} above") for one in self.thresholds]
-        rows.sort(key=lambda row: row[0].speed)
+        rows.sort(key=lambda row: abs(row[0].speed))
         found = [row[0] for row in rows]
         return [
             Column("speed", np.array([one.speed for one in found]), "rad/s", ".2f"),
@@ -430,7 +431,7 @@ class Campbell(WithSpeeds, Result, ReadOnly):
                 ],
                 thresholds=[(one.mode, one.speed, one.frequency_hz) for one in self.thresholds],
                 unstable=self.unstable_ranges,
-                operating=None if span is None else (abs(span[0]), abs(span[1])),
+                operating=span,
                 ax=ax,
             )
 

@@ -29,9 +29,9 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
     stiffnesses : ndarray, shape (k,)
         Stiffness of every bearing, the same in every direction [N/m].
     order : float
-        Order of the excitation, ω = order·Ω.
+        Order of the excitation, ω = order·Ω; negative for negative speeds.
     speeds : tuple of ndarray
-        Critical speeds of the reference shaft [rad/s] for each stiffness, ascending.
+        Critical speeds of the reference shaft [rad/s] for each stiffness, from standstill on.
     whirl : tuple of tuple of str
         Whirl of the mode at each critical speed.
     line : tuple of ndarray of int
@@ -117,9 +117,9 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
         Returns
         -------
         ndarray, shape (k, m)
-            Speeds [rad/s]. A column is one mode, which is followed by its shape; the columns ascend
-            by their first speed. NaN where the mode has no critical speed among those of the map,
-            or another whirl.
+            Speeds [rad/s]. A column is one mode, which is followed by its shape; the columns have
+            the order of their first speeds from standstill on. NaN where the mode has no critical
+            speed among those of the map, or another whirl.
 
         Raises
         ------
@@ -156,7 +156,9 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
         first: dict[int, float] = {}
         for _, line, speed in rows:
             first.setdefault(int(line), float(speed))
-        column = {line: place for place, line in enumerate(sorted(first, key=first.__getitem__))}
+        column = {
+            line: place for place, line in enumerate(sorted(first, key=lambda one: abs(first[one])))
+        }
         table: Array = np.full((len(own), len(column)), np.nan)
         for i, line, speed in rows:
             table[i, column[int(line)]] = speed

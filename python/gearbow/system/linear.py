@@ -277,7 +277,8 @@ def campbell(
     Parameters
     ----------
     speeds : array_like, shape (k,)
-        Ascending speeds of the reference shaft [rad/s], from 0 or above.
+        Speeds of the reference shaft [rad/s], from 0 or any other speed away from it. Negative ones
+        are a rotation in the other sense, for example 0, -100, -200.
     count : int
         Number of modes, from the lowest frequency at the first speed. The rigid-body rotation
         does not count.
@@ -329,7 +330,8 @@ def critical_speed_map(
         Stiffnesses of every bearing along y and z [N/m]. Damping has no effect.
     order : float
         Order of the excitation. At a critical speed, an undamped mode has the frequency
-        order·Ω. The order is 1 for unbalance of the reference shaft.
+        order·Ω > 0. The order is 1 for unbalance of the reference shaft, and -1 for the same at
+        negative speeds, where the other flanks are in contact.
     count : int, optional
         Number of the lowest critical speeds at each stiffness; None is all. Time and memory
         then grow linearly with the number of elements.
@@ -348,7 +350,7 @@ def critical_speed_map(
     Raises
     ------
     SceneError
-        If the order is not positive, or a stiffness or the count is invalid.
+        If the order is zero, or a stiffness or the count is invalid.
     ConvergenceError
         If a mode does not satisfy the equations of motion.
 

@@ -133,7 +133,7 @@ def report(
     speeds : array_like, shape (k,), optional
         Speeds of the reference shaft for the diagrams [rad/s]; None is 100 speeds from 5 % to 150 %
         of the highest operating speed, within the tables of bearings. The Campbell diagram takes up
-        to 25 of them.
+        to 25 of their magnitudes, in the sense of rotation of the operating speed.
     modes : int
         Number of modes that oscillate.
     limits : sequence of BowLimit

@@ -20,7 +20,7 @@ pub struct Threshold {
     pub eigenvalue: Complex<f64>,
     /// Direction of whirl of the mode.
     pub whirl: Whirl,
-    /// Whether the mode is unstable at higher speeds; otherwise at lower speeds.
+    /// Whether the mode is unstable at speeds farther from zero; otherwise at those nearer to it.
     pub is_unstable_above: bool,
     /// The larger one of |Re λ|/|λ| and the residual of the mode; the latter where Re λ jumps.
     pub residual: f64,
@@ -71,7 +71,7 @@ impl Tracker<'_> {
     fn around_sign_change(&mut self, ends: [(f64, &State); 2]) -> Result<[(f64, State); 2], AnalysisError> {
         let [mut low, mut high] = ends.map(|(speed, state)| (speed, state.clone()));
         let is_positive = |state: &State| state.eigenvalue.re > 0.0;
-        while high.0 - low.0 > EQUALITY_TOLERANCE * high.0 {
+        while (high.0 - low.0).abs() > EQUALITY_TOLERANCE * high.0.abs() {
             let middle = f64::midpoint(low.0, high.0);
             let state = self.between([(low.0, &low.1), (high.0, &high.1)], middle)?;
             if is_positive(&state) == is_positive(&high.1) {
@@ -84,7 +84,7 @@ impl Tracker<'_> {
     }
 
     /// The speed at which a `value` (speed, mode) of a tracked mode is zero, and the mode there, by the method of Illinois. `known`
-    /// are modes at ascending speeds, with values of different signs at the first and the last one; those that the search
+    /// are modes at speeds of ascending magnitude, with values of different signs at the first and the last one; those that the search
     /// finds are added.
     pub(super) fn root_of(
         &mut self,
@@ -108,7 +108,7 @@ impl Tracker<'_> {
             None => self.between(ends, speed)?,
         };
         known.extend(found);
-        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        known.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
         Ok((speed, state))
     }
 }

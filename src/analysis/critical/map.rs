@@ -14,14 +14,13 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::super::assignment::{Assignment, equal};
-use super::{Critical, modes, named};
+use super::{Critical, modes, named, sense_of};
 use crate::analysis::modes::FURTHER_MODES;
 use crate::analysis::{AnalysisError, Interrupt, Threads};
 use crate::linalg::hermitian_eigen;
-use crate::modal::{CachedModel, FORWARD, ModeAtSpeed};
+use crate::modal::{CachedModel, ModeAtSpeed};
 use crate::model::Model;
 use crate::numerics::ROUND_OFF;
-use crate::scene::EntryPath;
 
 /// Largest number of times that a step of the stiffness is halved.
 const MAX_HALVINGS: u32 = 6;
@@ -54,7 +53,7 @@ struct Found {
 /// with the same coordinates for all of them.
 ///
 /// # Errors
-/// [`AnalysisError`] if `order` is not positive, a stiffness is invalid, a decomposition fails, a mode does not satisfy the
+/// [`AnalysisError`] if `order` is zero or not finite, a stiffness is invalid, a decomposition fails, a mode does not satisfy the
 /// equations of motion, or `interrupt` requests a stop.
 pub fn critical_speed_map(
     at: impl Fn(f64) -> Result<Model, AnalysisError> + Sync,
@@ -64,7 +63,7 @@ pub fn critical_speed_map(
     threads: &Threads,
     interrupt: &Interrupt,
 ) -> Result<Vec<Vec<CriticalPoint>>, AnalysisError> {
-    EntryPath::root("order").positive(order)?;
+    let sense = sense_of(order)?;
     let model = |stiffness: &f64| {
         interrupt.check()?;
         // Without damping, the internal damping of a shaft has no circulatory forces either.
@@ -73,7 +72,7 @@ pub fn critical_speed_map(
     };
     let models = threads.map(stiffnesses, model)?;
     let Some(first) = models.first() else { return Ok(Vec::new()) };
-    let range = first.spectral_range(FORWARD)?.clone();
+    let range = first.spectral_range(sense)?.clone();
     // The modes at each stiffness, and the critical speeds of the map.
     let found = threads.map(&models, |cached| {
         interrupt.check()?;
@@ -90,6 +89,7 @@ pub fn critical_speed_map(
             ends: [from, *stiffness],
             models: [&before.model, &cached.model],
             known: known.iter().chain(found).collect(),
+            sense,
             space: OnceCell::new(),
         });
         lines.advance(step.as_ref().map(|step| (step, step.ends)), found, 0)?;
@@ -108,6 +108,8 @@ struct Step<'a> {
     models: [&'a Model; 2],
     /// Modes at both ends.
     known: Vec<&'a Found>,
+    /// Sense of rotation, which determines the flanks in contact.
+    sense: f64,
     space: OnceCell<StepSpace>,
 }
 
@@ -131,7 +133,7 @@ impl Step<'_> {
         };
         let stiffness = self.models.map(|model| {
             let image =
-                |mode: &&Found| model.product(&mode.shape, |x, out| model.multiply_stiffness(FORWARD, true, x, out));
+                |mode: &&Found| model.product(&mode.shape, |x, out| model.multiply_stiffness(self.sense, true, x, out));
             products(&self.known.iter().map(image).collect::<Vec<_>>())
         });
         let momenta: Vec<_> = self.known.iter().map(|mode| mode.momentum.clone()).collect();

@@ -9,26 +9,28 @@
 
 use super::{Critical, Interrupt, named};
 use crate::analysis::AnalysisError;
-use crate::modal::{CachedModel, CriticalProblem, FORWARD};
+use crate::modal::{CachedModel, CriticalProblem};
 use crate::numerics::{Sample, root};
 
 /// Samples between two neighbouring speeds of the tables.
 const SAMPLES_PER_INTERVAL: usize = 8;
 
-/// Critical speeds with the stiffness at the same speed, ascending.
+/// Critical speeds with the stiffness at the same speed, by ascending |Ω|. A negative order of the excitation asks for negative
+/// speeds; the search is one in |Ω|.
 pub(super) fn critical_speeds(
     cached: &CachedModel,
     excitation: f64,
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
-    let at = |speed: f64| -> Result<Vec<f64>, AnalysisError> {
+    let model_at = |size: f64| cached.at(size * excitation.signum(), size * excitation.abs());
+    let at = |size: f64| -> Result<Vec<f64>, AnalysisError> {
         interrupt.check()?;
-        let found = CriticalProblem::new(&*cached.at(speed, excitation * speed)?, 1.0)?.critical(excitation)?;
-        Ok(found.into_iter().map(|met| met.speed).collect())
+        let found = CriticalProblem::new(&*model_at(size)?, excitation)?.critical(excitation)?;
+        Ok(found.into_iter().map(|met| met.speed.abs()).collect())
     };
     let samples = samples(cached, excitation)?;
     let found = samples.iter().map(|speed| Ok((*speed, at(*speed)?))).collect::<Result<Vec<_>, AnalysisError>>()?;
-    // The speed whose stiffness counts, and the number of the critical speed.
+    // |Ω| whose stiffness counts, and the number of the critical speed.
     let mut roots: Vec<(f64, usize)> = Vec::new();
     let holds = cached.model.bearings.iter().all(|bearing| bearing.holds());
     if let Some((first, values)) = found.first().filter(|_| holds) {
@@ -49,23 +51,23 @@ pub(super) fn critical_speeds(
         roots.extend(values.iter().enumerate().filter(|(_, value)| *value >= last).map(|(number, _)| (*last, number)));
     }
     let mut critical = Vec::new();
-    for (speed, number) in roots {
-        let model = cached.at(speed, excitation * speed)?;
-        let met = CriticalProblem::new(&model, 1.0)?.critical(excitation)?.into_iter().nth(number);
-        critical.extend(named(&model.model, model.spectral_range(FORWARD)?, met.as_slice(), interrupt)?);
+    for (size, number) in roots {
+        let model = model_at(size)?;
+        let met = CriticalProblem::new(&model, excitation)?.critical(excitation)?.into_iter().nth(number);
+        critical.extend(named(&model.model, model.spectral_range(excitation)?, met.as_slice(), interrupt)?);
     }
-    critical.sort_by(|a, b| a.speed.total_cmp(&b.speed));
+    critical.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
     Ok(critical)
 }
 
-/// Speeds of the reference shaft, ascending, within the range of all tables that do not hold their end values.
+/// |Ω| of the reference shaft, ascending, within the range of all tables that do not hold their end values.
 ///
 /// # Errors
 /// [`AnalysisError`] if the tables have no speed in common.
 fn samples(cached: &CachedModel, excitation: f64) -> Result<Vec<f64>, AnalysisError> {
     let model = &cached.model;
     let mut knots: Vec<f64> = model.bearings.iter().flat_map(|bearing| bearing.knots()).collect();
-    knots.extend(model.table_frequencies().into_iter().map(|frequency| frequency / excitation));
+    knots.extend(model.table_frequencies().into_iter().map(|frequency| frequency / excitation.abs()));
     knots.sort_by(f64::total_cmp);
     knots.dedup();
     let between = |pair: &[f64]| {
@@ -76,8 +78,8 @@ fn samples(cached: &CachedModel, excitation: f64) -> Result<Vec<f64>, AnalysisEr
     };
     let last = knots.last().copied();
     let mut samples: Vec<f64> = knots.windows(2).flat_map(between).chain(last).collect();
-    let check = |speed: &f64| model.at_frequency(excitation * speed)?.check_speed(*speed);
-    samples.retain(|speed| check(speed).is_ok());
+    let check = |size: &f64| model.at_frequency(size * excitation.abs())?.check_speed(size * excitation.signum());
+    samples.retain(|size| check(size).is_ok());
     if samples.is_empty() {
         knots.iter().try_for_each(check)?;
     }

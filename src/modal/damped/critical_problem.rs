@@ -38,7 +38,7 @@ impl CriticalProblem {
         })
     }
 
-    /// Undamped modes with the frequency ω = `order`·Ω, Ω > 0, in ascending order of speed. Damping is neglected.
+    /// Undamped modes with the frequency ω = `order`·Ω > 0, in ascending order of |Ω|. Damping is neglected.
     ///
     /// With Ω = ω/order the problem diag(ω_j²) η = ω² (I − iĜ/order) η is Hermitian. It is solved for 1/ω²; each
     /// positive value is a critical speed. A disk with a large polar inertia can have no forward critical speed.

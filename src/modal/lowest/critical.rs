@@ -18,11 +18,7 @@ use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Side, 
 use crate::modal::undamped::{Pins, null_motions};
 use crate::model::{Model, Support, Weights};
 
-/// Speed of the reference shaft at which critical speeds have their loaded flanks and, where no table has another lowest speed, the
-/// equilibrium of rolling bearings, rad/s: both depend on the direction of rotation only.
-pub const FORWARD: f64 = 1.0;
-
-/// The `count` lowest speeds Ω > 0 at which an undamped mode has the frequency `order`·Ω, ascending; `None` if the model has
+/// The `count` speeds Ω nearest to zero at which an undamped mode has the frequency `order`·Ω > 0, by ascending |Ω|; `None` if the model has
 /// fewer, or they cannot be told apart.
 ///
 /// # Errors
@@ -42,7 +38,7 @@ pub fn lowest_critical(
     Ok(found.map(|spectrum| {
         let modes = spectrum.wanted(count).map(|found| inverse.mode(spectrum.space.vector(&found.pair)));
         let mut modes: Vec<_> = modes.collect();
-        modes.sort_by(|a, b| a.speed.total_cmp(&b.speed));
+        modes.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
         modes
     }))
 }
@@ -50,6 +46,7 @@ pub fn lowest_critical(
 /// K⁻¹B on the vectors with NᴴBx = 0.
 struct CriticalInverse<'m> {
     model: &'m Model,
+    /// Order, whose sign is the sense of rotation and determines the flanks in contact.
     order: f64,
     /// Factors of K with springs on the null motions.
     factors: CoupledFactors,
@@ -63,9 +60,9 @@ struct CriticalInverse<'m> {
 
 impl<'m> CriticalInverse<'m> {
     fn new(model: &'m Model, order: f64) -> Result<Self, DecompositionError> {
-        let null = null_motions(model, FORWARD)?;
+        let null = null_motions(model, order)?;
         let pins = Pins::new(model, &null);
-        let mut matrix = model.dynamic_stiffness(&weights(Complex64::ZERO, order), FORWARD);
+        let mut matrix = model.dynamic_stiffness(&weights(Complex64::ZERO, order), order);
         pins.add_to(model, &mut matrix);
         let factors = matrix.factor(1.0)?;
         let null = null.map(Complex::from);
@@ -101,15 +98,15 @@ impl<'m> CriticalInverse<'m> {
     fn missing(&self, found: &[Found], limit: f64) -> Option<i64> {
         let values: Vec<Complex64> =
             found.iter().map(|found| Complex64::from(-(found.value * found.value).re)).collect();
-        if is_semidefinite(self.model, FORWARD) {
-            let matrix = self.model.dynamic_stiffness(&weights(Complex64::from(limit), self.order), FORWARD);
+        if is_semidefinite(self.model, self.order) {
+            let matrix = self.model.dynamic_stiffness(&weights(Complex64::from(limit), self.order), self.order);
             let below = values.iter().filter(|value| (0.0..limit).contains(&value.re)).count();
             if let Some(negative) = matrix.negative_eigenvalues() {
                 return Some(negative as i64 - (self.positive_null + below) as i64);
             }
         }
         let determinant = |sigma: Complex64| {
-            let matrix = self.model.dynamic_stiffness(&weights(sigma, self.order), FORWARD);
+            let matrix = self.model.dynamic_stiffness(&weights(sigma, self.order), self.order);
             matrix.determinant(-1.0).ok()
         };
         contour::missing_in_disk(determinant, &Known { zeros: self.null.ncols(), values }, limit)
@@ -119,7 +116,8 @@ impl<'m> CriticalInverse<'m> {
     fn mode(&self, mut shape: DVector<Complex64>) -> ModeAtSpeed {
         self.without_null(&mut shape);
         let part = |part: fn(&Complex64) -> f64| {
-            self.model.elastic_form(shape.map(|value| part(&value)).as_slice(), |mesh| self.model.sigma(mesh, FORWARD))
+            self.model
+                .elastic_form(shape.map(|value| part(&value)).as_slice(), |mesh| self.model.sigma(mesh, self.order))
         };
         let elastic = part(|value| value.re) + part(|value| value.im);
         let frequency = (elastic / shape.dotc(&self.inertia(&shape)).re).sqrt();
@@ -163,7 +161,7 @@ impl Operator for CriticalInverse<'_> {
 
     fn weigh(&self, x: &[Complex64]) -> Vec<Complex64> {
         let x = DVector::from_column_slice(x);
-        self.model.product(&x, |x, out| self.model.multiply_stiffness(FORWARD, true, x, out)).as_slice().to_vec()
+        self.model.product(&x, |x, out| self.model.multiply_stiffness(self.order, true, x, out)).as_slice().to_vec()
     }
 }
 

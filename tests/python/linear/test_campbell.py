@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,16 @@ import pytest
 import gearbow as gb
 from reference import published, scenes
 from reference.cases import each_case
-from reference.machines import LIGHT, inertia, rotor
+from reference.machines import (
+    LIGHT,
+    OIL,
+    hostile,
+    inertia,
+    mirrored,
+    pair_with_two_ranges,
+    rotor,
+    rotor_on_films,
+)
 
 RPM = 2 * np.pi / 60
 
@@ -242,8 +252,15 @@ def test_the_nutation_of_a_free_disk_starts_at_zero_frequency():
 @each_case(
     ("given", "message"),
     [
-        ({"speeds": [1.0, 1.0]}, r"speeds\[1\]: must be larger than the previous speed, got 1"),
-        ({"speeds": [-1.0, 1.0]}, r"speeds\[0\]: must not be negative, got -1"),
+        (
+            {"speeds": [1.0, 1.0]},
+            r"speeds\[1\]: must be farther from zero than the previous speed, got 1",
+        ),
+        (
+            {"speeds": [-1.0, 1.5]},
+            r"speeds\[0\]: must have the sign of the last speed, 1.5, got -1",
+        ),
+        ({"speeds": [-2.0, -1.0]}, r"speeds\[1\]: must be farther from zero .* got -1"),
         ({"speeds": [0.0, np.nan]}, r"speeds\[1\]: must be finite, got nan"),
         ({"speeds": [0.0, 1.0], "count": 0}, "count: must be at least 1"),
         ({"speeds": [0.0, 1.0], "harmonics": -1}, "harmonics: must be at least 0"),
@@ -254,9 +271,115 @@ def test_invalid_arguments_are_errors(given, message):
         scenes.v3().campbell(**given)
 
 
-def test_a_map_needs_a_positive_order():
-    with pytest.raises(gb.SceneError, match="order: must be positive, got 0"):
+def test_a_map_needs_an_order():
+    with pytest.raises(gb.SceneError, match="order: must not be zero"):
         scenes.v3().critical_speed_map([1e6], order=0.0)
+
+
+def whirling(**changes: Any) -> gb.RotorSystem:
+    """Build the hostile machine with internal damping, and seals whose cross-coupling grows."""
+    system = hostile(**changes)
+    seal = [[[0.0, k], [-k, 0.0]] for k in (0.0, 6e6, 6e7)]
+    shafts = [replace(shaft, internal_damping=2e-6) for shaft in system.shafts]
+    added = gb.Bearing("output", 0.17, stiffness=gb.SpeedTable([0.0, 150.0, 600.0], seal, "hold"))
+    return system.replace(shafts=shafts, bearings=[*system.bearings, added])
+
+
+class TestSensesOfRotation:
+    """A machine at negative speeds has its own modes: those of its mirror image at positive ones."""
+
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def diagrams() -> dict[float, list[gb.results.Campbell]]:
+        """Diagrams of the machine and of its image, by the sign of the speeds of the former."""
+        speeds, machine = np.linspace(0.0, 600.0, 7), whirling()
+        return {
+            sense: [
+                system.campbell(sign * speeds, count=8, harmonics=2)
+                for system, sign in ((machine, sense), (mirrored(machine), -sense))
+            ]
+            for sense in (1.0, -1.0)
+        }
+
+    @pytest.mark.parametrize("sense", [1.0, -1.0])
+    def test_the_mirrored_machine_has_the_same_diagram(self, sense: float, diagrams):
+        own, image = diagrams[sense]
+        scale = np.abs(own.eigenvalues)
+        # round-off of the highest mode in the damping of the lowest ones
+        assert np.abs(image.eigenvalues - own.eigenvalues).max() < 1e-8 * scale.max()
+        assert np.array_equal(image.whirl[1:], own.whirl[1:])
+        assert len(own.thresholds) == len(image.thresholds) > 0
+
+        def points(found: gb.results.Campbell) -> list[tuple[float, float, float]]:
+            rows = [
+                (-one.line.order, -one.speed, one.frequency_hz)
+                for one in found.intersections
+                if one.damping_ratio < 0.1
+            ]
+            return sorted(rows + [(0.0, -one.speed, one.frequency_hz) for one in found.thresholds])
+
+        mine = [(-order, -speed, rate) for order, speed, rate in points(own)]
+        assert np.array(sorted(mine)) == pytest.approx(np.array(points(image)), rel=1e-7)
+        assert image.unstable_ranges == pytest.approx(-np.array(own.unstable_ranges), rel=1e-7)
+
+    def test_the_senses_differ(self, diagrams):
+        (forward, _), (backward, _) = diagrams[1.0], diagrams[-1.0]
+        apart = backward.eigenvalues - forward.eigenvalues
+        assert np.abs(apart.imag).max() > 10.0
+        assert np.abs(apart.real).max() > 1.0
+
+    def test_a_diagram_of_negative_speeds_has_the_modes_there(self, diagrams):
+        machine, found = whirling(), diagrams[-1.0][0]
+        for one in found.intersections[::7]:
+            assert one.speed < 0.0
+            same_as_modes(machine, one)
+        speeds = [abs(one.speed) for one in found.intersections]
+        assert speeds == sorted(speeds)
+
+    def test_the_map_of_a_negative_order_has_negative_speeds(self):
+        machine = hostile()
+        image = mirrored(machine)
+        found = {}
+        for order in (1.0, -1.0):
+            own, other = (
+                system.critical_speed_map([2e8], order=sign, count=3).speeds[0]
+                for system, sign in ((machine, order), (image, -order))
+            )
+            assert np.all(order * own > 0.0)
+            assert np.all(np.diff(np.abs(own)) >= 0.0)
+            assert own == pytest.approx(-other, rel=1e-9)
+            found[order] = own
+        assert np.abs(found[1.0] + found[-1.0]).max() > 1.0
+
+    def test_tables_are_searched_in_both_senses(self):
+        machine = pair_with_two_ranges({"a": (0.0, 400.0), "b": (0.0, 300.0)}, "hold")
+        uneven = gb.SpeedTable([0.0, 350.0], [(5e6, 9e6), (2e7, 3e7)], outside="hold")
+        bearings = [replace(machine.bearings[0], stiffness=uneven), *machine.bearings[1:]]
+        (mesh,) = machine.meshes
+        machine = machine.replace(bearings=bearings, meshes=[replace(mesh, centre_line_angle=0.4)])
+        own, other, forward = (
+            np.array([speed for speed, _ in system._model.critical_speeds(order, 4)])
+            for system, order in ((machine, -2.0), (mirrored(machine), 2.0), (machine, 2.0))
+        )
+        assert own.max() < 0.0
+        assert own == pytest.approx(-other, rel=1e-9)
+        assert np.abs(own + forward).max() > 1e-3
+
+    def test_films_with_offset_lobes_have_the_modes_of_their_sense(self):
+        films = [
+            gb.JournalBearing(
+                "r", x, **{**OIL, "profile": "three-lobe", "preload": 0.3, "offset": 0.6}
+            )
+            for x in (0.0, 0.5)
+        ]
+        system = rotor_on_films(bearings=films)
+        speeds = [-300.0, -600.0]
+        found = system.campbell(speeds, count=2, harmonics=0)
+        other = system.campbell([300.0, 600.0], count=2, harmonics=0)
+        for row, speed in zip(found.eigenvalues, speeds, strict=True):
+            own = system.modes(speed, vibrating=True, count=2).eigenvalues
+            assert np.sort_complex(row) == pytest.approx(np.sort_complex(own), rel=1e-8)
+        assert np.abs(found.eigenvalues - other.eigenvalues).max() > 1.0
 
 
 def test_the_table_has_a_line_for_each_intersection():

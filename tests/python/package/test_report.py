@@ -29,6 +29,7 @@ from reference.equations import base_radius
 from reference.machines import (
     bowed_rotor_with_disk,
     hostile,
+    mirrored,
     rated,
     rotor_with_two_disks,
     without_tooth_errors,
@@ -211,6 +212,37 @@ def test_a_report_at_a_negative_speed(train, tmp_path):
     check_tables(path, system, speed)
     for name, text in read_sections(path).items():
         assert "Not computed" not in text, name
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_report_shows_the_modes_of_its_sense_of_rotation(only, tmp_path):
+    # all that has a sense is turned around in the image, and the operating speed with it
+    machine = hostile()
+    only("campbell", "criticals", "resonances")
+    shown = []
+    for system, sign in ((machine, -1.0), (mirrored(machine), 1.0), (machine, 1.0)):
+        found = []
+        folder = tmp_path / f"{len(shown)}"
+        folder.mkdir()
+        speeds = sign * np.linspace(20.0, 110.0, 4)
+        sections = read_sections(
+            written(system, folder, operating=75.0 * sign, speeds=speeds, modes=5)
+        )
+        for name, title in (
+            ("campbell", "Intersections and stability thresholds"),
+            ("summary", "Modes that orders of shafts and teeth meet near the operating speed"),
+        ):
+            head, *body = rows(sections[name], title)
+            at, frequency = (
+                next(i for i, each in enumerate(head) if each.startswith(word))
+                for word in ("speed", "frequency")
+            )
+            # meshes with the same orders come in any order
+            found += sorted((float(row[at]) * sign, float(row[frequency])) for row in body)
+        shown.append(np.array(found))
+    own, image, forward = shown
+    assert own == pytest.approx(image, rel=1e-4)  # of the printed digits
+    assert len(own) != len(forward) or np.abs(own - forward).max() > 0.1
 
 
 def test_the_unbalance_of_api_617(page):

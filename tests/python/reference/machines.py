@@ -237,6 +237,62 @@ def hostile(**changes: Any) -> gb.RotorSystem:
     return gb.RotorSystem(**{**given, **changes})
 
 
+def mirrored(system: gb.RotorSystem) -> gb.RotorSystem:
+    """Turn around all of a hostile machine that has a sense: the image with y changed to -y.
+
+    Rotation changes its sense as well: the image at the negative speed moves as the machine.
+    """
+
+    def turned(phasor: complex) -> complex:
+        return -phasor.conjugate()
+
+    def crossed(coefficient: Any) -> Any:
+        is_table = isinstance(coefficient, gb.SpeedTable)
+        values = np.asarray(coefficient.values if is_table else coefficient)
+        if values.ndim == 2 + is_table:
+            values = values * [[1.0, -1.0], [-1.0, 1.0]]
+        return replace(coefficient, values=values.tolist()) if is_table else values.tolist()
+
+    def bent(bow: gb.Bow) -> gb.Bow:
+        return replace(bow, phase=pi - bow.phase)
+
+    def late(error: gb.TransmissionError) -> gb.TransmissionError:
+        harmonics = {
+            name: [(size, -phase) for size, phase in getattr(error, name)]
+            for name in ("tooth", "driver", "driven")
+        }
+        return replace(error, **harmonics)
+
+    return system.replace(
+        shafts=[replace(shaft, bow=bent(shaft.bow)) for shaft in system.shafts],
+        gears=[
+            replace(
+                gear,
+                helix_angle=-gear.helix_angle,
+                unbalance=turned(gear.unbalance),
+                runout=turned(complex(gear.runout)),
+            )
+            for gear in system.gears
+        ],
+        meshes=[
+            replace(
+                mesh,
+                centre_line_angle=pi - mesh.centre_line_angle,
+                error=mesh.error and late(mesh.error),
+            )
+            for mesh in system.meshes
+        ],
+        bearings=[
+            replace(each, stiffness=crossed(each.stiffness), damping=crossed(each.damping))
+            for each in system.bearings
+        ],
+        torques=[
+            replace(each, value=each.value if each.value == "balance" else -each.value)
+            for each in system.torques
+        ],
+    )
+
+
 def rated(system: gb.RotorSystem) -> gb.RotorSystem:
     """Give every linear bearing load ratings, each others."""
     bearings = [
