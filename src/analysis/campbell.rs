@@ -110,8 +110,7 @@ pub fn lines(cached: &CachedModel, harmonics: u32) -> Vec<ExcitationLine> {
         order: ratio.abs(),
     };
     let teeth = scene.meshes.iter().enumerate().flat_map(|(index, mesh)| {
-        let gear = &scene.gears[mesh.driver];
-        let order = f64::from(gear.teeth) * scene.speed_ratios[gear.body.node.shaft].abs();
+        let order = scene.mesh_order(mesh);
         let line = move |harmonic| ExcitationLine {
             source: ExcitationSource::Mesh(index),
             harmonic,
