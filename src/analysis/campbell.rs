@@ -111,8 +111,7 @@ pub fn lines(cached: &CachedModel, harmonics: u32, sense: f64) -> Vec<Excitation
         order: ratio.abs() * sense,
     };
     let teeth = scene.meshes.iter().enumerate().flat_map(|(index, mesh)| {
-        let gear = &scene.gears[mesh.driver];
-        let order = f64::from(gear.teeth) * scene.speed_ratios[gear.body.node.shaft].abs() * sense;
+        let order = scene.mesh_order(mesh) * sense;
         let line = move |harmonic| ExcitationLine {
             source: ExcitationSource::Mesh(index),
             harmonic,

@@ -25,7 +25,7 @@ pub fn losses(cached: &CachedModel, geometry: Geometry, speed: f64) -> Result<Lo
     let model = &at_speed.model;
     let of_mesh = |index: usize| {
         let mesh = &model.meshes[index];
-        let spins = mesh.shafts.map(|shaft| model.shafts[shaft].ratio * speed);
+        let spins = model.scene.mesh_speed_ratios(&model.scene.meshes[index]).map(|ratio| ratio * speed);
         mesh.loss_at_rest(geometry, model.sigma(index, speed), spins, q.as_slice()).map_err(|overlap| {
             let [driver, driven] = model.gear_names(index);
             AnalysisError::overlap(driver, driven, "in static equilibrium", overlap)

@@ -163,7 +163,8 @@ impl MeshInterface {
     fn motion_rows(&self) -> Vec<Row> {
         let (gear_mesh, sigma) = (&self.gear_mesh, self.sigma);
         let [ra, rb] = gear_mesh.involute.base_radius;
-        let MeshCoordinates { translation, twist: [a, b], .. } = gear_mesh.coordinates;
+        let MeshCoordinates { translation, .. } = gear_mesh.coordinates;
+        let twists = |factors: [f64; 2]| gear_mesh.coordinates.twist_row(factors);
         let relative_displacement =
             |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
         match self.scalars {
@@ -173,19 +174,19 @@ impl MeshInterface {
                     .gradient(sigma, &gear_mesh.directions_at_rest(sigma), |index, slope| row.push((index, slope)));
                 vec![row]
             }
-            Scalars::Plane => vec![relative_displacement(0), relative_displacement(1), vec![(a, ra), (b, rb)]],
+            Scalars::Plane => vec![relative_displacement(0), relative_displacement(1), twists([ra, rb])],
             Scalars::PlaneAndTwists => {
-                vec![relative_displacement(0), relative_displacement(1), vec![(a, 1.0)], vec![(b, 1.0)]]
+                vec![relative_displacement(0), relative_displacement(1), twists([1.0, 0.0]), twists([0.0, 1.0])]
             }
             Scalars::Space | Scalars::SpaceAndTwists => {
                 let plane = vec![relative_displacement(0), relative_displacement(1)];
                 let Some(helix) = &gear_mesh.helix else { return plane };
                 let [along, tilts @ ..] = helix.rows();
-                let rolling = vec![(a, ra), (b, rb)].into_iter().chain(along.iter().copied()).collect();
+                let rolling = twists([ra, rb]).into_iter().chain(along.iter().copied()).collect();
                 let rest = if self.scalars == Scalars::Space {
                     vec![rolling].into_iter().chain(tilts).collect::<Vec<_>>()
                 } else {
-                    vec![vec![(a, 1.0)], vec![(b, 1.0)]].into_iter().chain(tilts).chain([along]).collect()
+                    vec![twists([1.0, 0.0]), twists([0.0, 1.0])].into_iter().chain(tilts).chain([along]).collect()
                 };
                 plane.into_iter().chain(rest).collect()
             }

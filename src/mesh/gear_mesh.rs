@@ -5,7 +5,7 @@
 //! ```
 //!
 //! U is ½kδ² for a mean stiffness k, otherwise the sum over the tooth pairs. Modes, static equilibrium and motion use the
-//! same force. Live geometry takes n from the moving centres; with constant k the force then derives from ½kδ², and an
+//! same force. With a carrier that turns, θ_a and θ_b are relative to its twist. Live geometry takes n from the moving centres; with constant k the force then derives from ½kδ², and an
 //! undamped scene conserves its energy. Frozen geometry keeps n of the centres at rest, so that the force is linear. A
 //! stiffness that depends on the displacements adds its own −∂U/∂q.
 //!
@@ -51,8 +51,10 @@ pub struct GearMesh {
     pub loss_factor: f64,
     /// Backlash along the line of action in the transverse section, m; none for a mesh whose flanks never separate.
     pub backlash: Option<f64>,
-    /// Shafts of driver and driven gear; the spin of the first gives σ.
+    /// Shafts of driver and driven gear; the spin of the first, relative to the carrier, gives σ.
     pub shafts: [usize; 2],
+    /// Shaft of the carrier, to which angles and spins are relative; none for gears on fixed axes.
+    pub carrier: Option<usize>,
     /// Friction between the flanks.
     pub friction: Option<Box<Friction>>,
     pub(super) error: Option<ErrorCurve>,
@@ -100,6 +102,7 @@ impl GearMesh {
             loss_factor: mesh.loss_factor,
             backlash: mesh.teeth.backlash.map(|backlash| backlash / base_helix_cosine),
             shafts: [a.body.node.shaft, b.body.node.shaft],
+            carrier: mesh.carrier.map(|node| node.shaft),
             friction,
             error: mesh.teeth.error.as_ref().map(|error| ErrorCurve::new(error, a.teeth)),
             runout: out.iter().any(|(size, _)| *size > 0.0).then_some(out),
@@ -158,10 +161,10 @@ impl GearMesh {
 
     /// Indices of the coordinates on which the mesh acts.
     pub fn indices(&self) -> Vec<usize> {
-        let MeshCoordinates { translation, twist, .. } = self.coordinates;
+        let MeshCoordinates { translation, twist, carrier, .. } = self.coordinates;
         let of_helix = |helix: &Helix| helix.axial.into_iter().chain(helix.tilt.into_iter().flat_map(|v| [v, v + 1]));
         let of_plane = translation.into_iter().flatten().flat_map(|v| [v, v + 1]);
-        twist.into_iter().chain(of_plane).chain(self.helix.iter().flat_map(of_helix)).collect()
+        twist.into_iter().chain(carrier).chain(of_plane).chain(self.helix.iter().flat_map(of_helix)).collect()
     }
 
     /// Whether the force acts along the line of action and does not depend on the angles of the shafts.
@@ -174,7 +177,8 @@ impl GearMesh {
     #[inline(always)]
     pub fn relative(&self, q: &[f64]) -> RelativeMotion {
         let [ra, rb] = self.involute.base_radius;
-        let twist = self.coordinates.twist.map(|index| q[index]);
+        let carrier = self.coordinates.carrier.map_or(0.0, |index| q[index]);
+        let twist = self.coordinates.twist.map(|index| q[index] - carrier);
         let relative_displacement = match self.coordinates.translation {
             Some([a, b]) => [q[b] - q[a], q[b + 1] - q[a + 1]],
             None => [0.0; 2],
@@ -359,6 +363,9 @@ impl GearMesh {
         let [a, b] = self.coordinates.twist;
         out[a] += contact.moments[0];
         out[b] += contact.moments[1];
+        if let Some(carrier) = self.coordinates.carrier {
+            out[carrier] -= contact.moments[0] + contact.moments[1];
+        }
         if let Some(helix) = &self.helix {
             helix.apply(&contact.helix, out);
         }
@@ -381,6 +388,9 @@ impl GearMesh {
         let [a, b] = self.coordinates.twist;
         visit(a, sigma * ra);
         visit(b, sigma * rb);
+        if let Some(carrier) = self.coordinates.carrier {
+            visit(carrier, -sigma * (ra + rb));
+        }
         if let Some(helix) = &self.helix {
             helix.gradient(centres, |index, slope| visit(index, sigma * slope));
         }

@@ -20,6 +20,17 @@ pub struct MeshCoordinates {
     pub axial: Option<[usize; 2]>,
     /// θ of driver and driven gear.
     pub twist: [usize; 2],
+    /// θ of the carrier, to which both twists are relative; `None` for gears on fixed axes.
+    pub carrier: Option<usize>,
+}
+
+impl MeshCoordinates {
+    /// Combination x θ_a + y θ_b of the twists relative to the carrier, as a row.
+    pub fn twist_row(&self, [x, y]: [f64; 2]) -> Vec<(usize, f64)> {
+        let [a, b] = self.twist;
+        let relative = [(a, x), (b, y)].into_iter().chain(self.carrier.map(|carrier| (carrier, -(x + y))));
+        relative.filter(|(_, factor)| *factor != 0.0).collect()
+    }
 }
 
 /// Everything on which the force of a mesh depends except its contact mode.
@@ -29,7 +40,7 @@ pub struct MeshPose<'a> {
     pub geometry: Geometry,
     /// σ, the sign of the driver's spin.
     pub sigma: f64,
-    /// Angles and spins of the shafts of driver and driven gear.
+    /// Angles and spins of the shafts of driver and driven gear, relative to those of the carrier.
     pub phases: &'a [ShaftPhase; 2],
     /// Relative displacements.
     pub position: RelativeMotion,

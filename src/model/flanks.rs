@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Model;
 use crate::linalg::LuFactors;
+use crate::mesh::GearMesh;
 use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::Coupling;
 
@@ -51,7 +52,7 @@ impl Model {
 
     /// σ of a mesh at a positive speed of the reference shaft.
     fn sigma_forward(&self, mesh: usize) -> f64 {
-        self.scene.speed_ratios[self.meshes[mesh].shafts[0]].signum()
+        self.scene.mesh_speed_ratios(&self.scene.meshes[mesh])[0].signum()
     }
 
     /// σ of every mesh at speed zero.
@@ -88,14 +89,14 @@ impl Model {
         let rotation = self.rigid_body_rotation();
         let inertia = DVector::from_fn(shafts, |shaft, _| self.polar_inertia(shaft));
         let momentum = inertia.component_mul(&rotation);
-        let held = self.scene.drives.iter().any(|drive| drive.stiffness > 0.0);
+        let held = self.scene.drives.iter().any(|drive| drive.stiffness > 0.0 && rotation[drive.node.shaft] != 0.0);
         if !held {
             torque.axpy(-torque.dot(&rotation) / momentum.dot(&rotation), &momentum, 1.0);
         }
 
         let mut stiffness = DMatrix::zeros(shafts, shafts);
         for mesh in &self.meshes {
-            let levers: Vec<(usize, f64)> = mesh.shafts.into_iter().zip(mesh.involute.base_radius).collect();
+            let levers = levers(mesh);
             for (row, left) in &levers {
                 for (column, right) in &levers {
                     stiffness[(*row, *column)] += mesh.stiffness * left * right;
@@ -116,37 +117,17 @@ impl Model {
             stiffness.ger(size, &rotation, &rotation, 1.0);
         }
         let angle = LuFactors::new(&stiffness).solve(&DMatrix::from_column_slice(shafts, 1, torque.as_slice()));
-        let force = |mesh: &crate::mesh::GearMesh| {
-            let [a, b] = mesh.shafts;
-            let [ra, rb] = mesh.involute.base_radius;
-            mesh.stiffness * (ra * angle[(a, 0)] + rb * angle[(b, 0)])
+        let force = |mesh: &GearMesh| {
+            mesh.stiffness * levers(mesh).into_iter().map(|(shaft, lever)| lever * angle[(shaft, 0)]).sum::<f64>()
         };
         self.meshes.iter().map(force).collect()
     }
 
-    /// Rotation of every shaft in the motion of the train that deflects no teeth, relative to the first shaft.
+    /// Rotation of every shaft in the motion of the train that deflects no teeth, relative to the first shaft that turns.
     fn rigid_body_rotation(&self) -> DVector<f64> {
-        let mut rotation = DVector::zeros(self.shafts.len());
-        rotation[0] = 1.0;
-        // Each pass reaches the shafts next to those reached before. Meshes connect all shafts.
-        for _ in 0..self.shafts.len() {
-            for mesh in &self.meshes {
-                let ([a, b], [ra, rb]) = (mesh.shafts, mesh.involute.base_radius);
-                if rotation[b] == 0.0 {
-                    rotation[b] = -rotation[a] * ra / rb;
-                } else if rotation[a] == 0.0 {
-                    rotation[a] = -rotation[b] * rb / ra;
-                }
-            }
-            for Coupling { hubs: [a, b], .. } in &self.scene.couplings {
-                if rotation[b.shaft] == 0.0 {
-                    rotation[b.shaft] = rotation[a.shaft];
-                } else if rotation[a.shaft] == 0.0 {
-                    rotation[a.shaft] = rotation[b.shaft];
-                }
-            }
-        }
-        rotation
+        let turns = |ratio: &f64| *ratio != 0.0;
+        let first = self.scene.speed_ratios.iter().position(turns).unwrap_or_default();
+        DVector::from_vec(self.scene.rotations_with(first))
     }
 
     /// Polar moment of inertia of a shaft and its bodies, kg m².
@@ -159,4 +140,10 @@ impl Model {
         }
         self.kinetic_form(&rotation)
     }
+}
+
+/// Levers ∂(r_a θ_a + r_b θ_b)/∂θ of the rolling displacement of a mesh on its shafts and its carrier, m.
+fn levers(mesh: &GearMesh) -> Vec<(usize, f64)> {
+    let carrier = mesh.carrier.map(|shaft| (shaft, -mesh.involute.base_circles()));
+    mesh.shafts.into_iter().zip(mesh.involute.base_radius).chain(carrier).collect()
 }

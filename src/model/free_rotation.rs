@@ -39,7 +39,8 @@ impl Model {
         };
         let resisted = |mesh: &GearMesh| {
             mesh.friction.as_ref().filter(|_| mesh.phase == Phase::Prescribed)?;
-            let rotation = self.free_rotation(mesh.shafts[0])?;
+            let turning = mesh.shafts.into_iter().find(|shaft| self.scene.speed_ratios[*shaft] != 0.0)?;
+            let rotation = self.free_rotation(turning)?;
             let is_free = !self.loads.iter().any(balances) && !self.links.iter().any(|link| damps(link, &rotation));
             is_free.then(|| entries(self.inertia_shares(&rotation)))
         };

@@ -204,12 +204,15 @@ impl Model {
             .map(|mesh| {
                 let nodes = [mesh.driver, mesh.driven].map(|gear| scene.gears[gear].body.node);
                 let [a, b] = nodes.map(|node| numbering.translation(node));
-                let translation = a.zip(b).map(|(a, b)| [a, b]);
+                // A stage whose carrier turns couples its shafts in torsion only.
+                let fixed = mesh.carrier.is_none();
+                let translation = a.zip(b).filter(|_| fixed).map(|(a, b)| [a, b]);
                 // A scene with a mesh always includes torsion: `Scene::required_motion` ensures this.
                 let twist = nodes.map(|node| numbering.twist(node).unwrap_or_default());
                 let [a, b] = nodes.map(|node| numbering.displacement_along(node));
-                let axial = a.zip(b).map(|(a, b)| [a, b]);
-                GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, axial, twist })
+                let axial = a.zip(b).filter(|_| fixed).map(|(a, b)| [a, b]);
+                let carrier = mesh.carrier.and_then(|node| numbering.twist(node));
+                GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, axial, twist, carrier })
             })
             .collect();
         check_stiffness(&meshes)?;
@@ -320,11 +323,7 @@ impl Model {
     /// Largest mesh order of the meshes that satisfy `condition`.
     pub fn max_mesh_order_of(&self, condition: impl Fn(&GearMesh) -> bool) -> f64 {
         let meshes = self.scene.meshes.iter().zip(&self.meshes).filter(|(_, gear_mesh)| condition(gear_mesh));
-        let orders = meshes.map(|(mesh, _)| {
-            let gear = &self.scene.gears[mesh.driver];
-            f64::from(gear.teeth) * self.scene.speed_ratios[gear.body.node.shaft].abs()
-        });
-        orders.fold(0.0, f64::max)
+        meshes.map(|(mesh, _)| self.scene.mesh_order(mesh)).fold(0.0, f64::max)
     }
 
     /// K q of shafts, bearings and links, n entries, N or N m.

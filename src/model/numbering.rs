@@ -108,18 +108,19 @@ impl Numbering {
             len += if needed { count } else { 0 };
             needed.then_some(start..len)
         };
-        let block = |shaft: &Shaft| {
+        let block = |(index, shaft): (usize, &Shaft)| {
+            let bends = !scene.only_twists(index);
             let (nodes, elements) = (shaft.nodes.len(), shaft.elements.len());
             let bending = BendingFunction::all(shaft.degree, shaft.shear).len();
             let rod = nodes + rod_degrees(shaft.degree).count() * elements;
             Block {
-                lateral: reserve(scene.lateral, 4 * nodes + 2 * bending * elements),
+                lateral: reserve(scene.lateral && bends, 4 * nodes + 2 * bending * elements),
                 torsion: reserve(scene.torsion, rod),
-                axial: reserve(scene.axial, rod),
+                axial: reserve(scene.axial && bends, rod),
                 modes: None,
             }
         };
-        let mut blocks: Vec<Block> = scene.shafts.iter().map(block).collect();
+        let mut blocks: Vec<Block> = scene.shafts.iter().enumerate().map(block).collect();
         blocks.extend(scene.housings.iter().map(|housing| {
             let (rotates, modes) = (housing.inertia.is_some(), housing.mode_count());
             Block {

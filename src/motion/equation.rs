@@ -302,10 +302,17 @@ impl<'m> EquationOfMotion<'m> {
         if self.variable_speed.is_none() { &self.rotating_loads } else { &[] }
     }
 
-    /// Angles and spins of the two shafts of a mesh.
+    /// Angles and spins of the two shafts of a mesh, relative to its carrier.
     #[inline(always)]
     pub fn phases(&self, mesh: usize, elapsed: f64) -> [ShaftPhase; 2] {
-        self.model.meshes[mesh].shafts.map(|shaft| self.phase(shaft, elapsed))
+        let mesh = &self.model.meshes[mesh];
+        let phases = mesh.shafts.map(|shaft| self.phase(shaft, elapsed));
+        match mesh.carrier.map(|shaft| self.phase(shaft, elapsed)) {
+            None => phases,
+            Some(carrier) => {
+                phases.map(|phase| ShaftPhase { angle: phase.angle - carrier.angle, spin: phase.spin - carrier.spin })
+            }
+        }
     }
 
     /// Angle and spin of a shaft, or of what turns a nonlinear bearing: an index among the shafts and, after them, the nonlinear

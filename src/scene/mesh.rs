@@ -4,7 +4,8 @@ use super::centre_distance::{check_play, default_distance, largest_tip_radius};
 use super::contact::{PairGeometry, check_contact, check_undercut};
 use super::description::{self, SceneDescription};
 use super::gear::PUBLISHED_DATA_TOLERANCE;
-use super::{EntryPath, Gear, SceneError, Shaft, Teeth, nearest};
+use super::place::Names;
+use super::{EntryPath, Gear, Node, SceneError, Shaft, Teeth, nearest};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Damping of a mesh.
@@ -37,6 +38,8 @@ pub struct Mesh {
     pub centre_distance: f64,
     /// Angle of the drive flank of a tooth of the driver on its base circle at the time zero, rad.
     pub tooth_angle: f64,
+    /// The carrier with which the line of centres turns: all angles and twists of the mesh are relative to it; none on fixed axes.
+    pub carrier: Option<Node>,
 }
 
 /// The gears of a mesh and their centre distance.
@@ -52,6 +55,7 @@ struct Pair {
 /// Checks all meshes, and shortens default tip radii that would leave too little tip clearance.
 pub(super) fn meshes(
     system: &SceneDescription,
+    names: &Names,
     shafts: &[Shaft],
     gears: &mut [Gear],
     warnings: &mut Vec<String>,
@@ -70,7 +74,9 @@ pub(super) fn meshes(
     let gears = &*gears;
     let mut meshes = Vec::with_capacity(pairs.len());
     for (index, (given, pair)) in system.meshes.iter().zip(&pairs).enumerate() {
-        meshes.push(mesh(given, pair, shafts, gears, &EntryPath::entry("meshes", index), warnings)?);
+        let at = EntryPath::entry("meshes", index);
+        let carrier = carrier(given, pair, names, shafts, gears, &at)?;
+        meshes.push(Mesh { carrier, ..mesh(given, pair, shafts, gears, &at, warnings)? });
     }
     for (index, gear) in gears.iter().enumerate() {
         // The rack of a gear is unknown if the description gives its base radius only.
@@ -188,7 +194,42 @@ fn mesh(
         centre_line_angle,
         centre_distance,
         tooth_angle,
+        carrier: None,
     })
+}
+
+/// Finds the node of the carrier of a mesh, which neither of its gears may share.
+fn carrier(
+    given: &description::Mesh,
+    pair: &Pair,
+    names: &Names,
+    shafts: &[Shaft],
+    gears: &[Gear],
+    at: &EntryPath,
+) -> Result<Option<Node>, SceneError> {
+    let Some(place) = &given.carrier else { return Ok(None) };
+    let at = at.field("carrier");
+    let node = names.place(shafts, place, &at)?;
+    if let Some(gear) = [pair.driver, pair.driven].into_iter().find(|gear| gears[*gear].body.node.shaft == node.shaft) {
+        return Err(at.error(format!(
+            "stands on the shaft \"{}\" of the gear \"{}\"; a planet turns on a shaft of its own, and sun and ring are not the carrier",
+            shafts[node.shaft].name, gears[gear].body.name
+        )));
+    }
+    let (a, b) = (&gears[pair.driver], &gears[pair.driven]);
+    let follows_shaft = |gear: &Gear| gear.runout.norm() > 0.0;
+    if let Some(gear) = [a, b].into_iter().find(|gear| follows_shaft(gear)) {
+        return Err(at.error(format!(
+            "the gear \"{}\" has run-out, which gearbow does not compute with a carrier that turns; give the run-out of another gear, or an error of the teeth",
+            gear.body.name
+        )));
+    }
+    if given.error.as_ref().is_some_and(|error| error.driver.is_some() || error.driven.is_some()) {
+        return Err(at.error(
+            "a mesh with a carrier that turns has no error per revolution of a shaft; give error.tooth or error.table",
+        ));
+    }
+    Ok(Some(node))
 }
 
 /// Refuses gears of different modules, pressure angles, base pitches or helix angles.

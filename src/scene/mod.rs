@@ -81,6 +81,9 @@ pub const STANDARD_GRAVITY: f64 = 9.806_65;
 /// Largest number of elements of a scene, counted by their degree. Analyses of a few modes and at given frequencies need memory in
 /// proportion to it, about 0.5 GB at this number; more elements are a mistake of the scene.
 pub const MAX_ELEMENTS: usize = 50_000;
+/// Sum of the unit vectors from a gear to the planets around it below which the planets stand at equal angles: angles of files
+/// have eleven digits.
+const UNBALANCED_PLANETS: f64 = 1e-6;
 
 /// A node of a shaft, or the centre of mass of a housing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -177,7 +180,7 @@ impl Scene {
         shaft::check_notches(system, &names, &shafts)?;
         let mut warnings = Vec::new();
         let mut gears = gear::gears(system, &names, &shafts)?;
-        let meshes = mesh::meshes(system, &shafts, &mut gears, &mut warnings)?;
+        let meshes = mesh::meshes(system, &names, &shafts, &mut gears, &mut warnings)?;
         let couplings = loads::couplings(system, &names, &shafts)?;
         let train = train::Train { gears: &gears, meshes: &meshes, couplings: &couplings };
         let speed_ratios = train::speed_ratios(system, &names, train)?;
@@ -208,6 +211,7 @@ impl Scene {
         };
         scene.add_tilting_pads();
         (scene.lateral, scene.torsion) = scene.required_motion(system.motion)?;
+        scene.check_planet_angles()?;
         scene.axial = scene.has_axial_motion(system.motion);
         let implausible = plausibility::check(system, &scene)?;
         scene.warnings.extend(implausible);
@@ -264,6 +268,60 @@ impl Scene {
             )),
             None => Ok(()),
         }
+    }
+
+    /// Refuses planets at unequal angles on a carrier that turns in a scene with bending. There a stage couples its shafts in torsion
+    /// only, because equal forces of planets at equal angles cancel on sun, ring and carrier.
+    fn check_planet_angles(&self) -> Result<(), SceneError> {
+        for (index, first) in self.meshes.iter().enumerate().filter(|(_, mesh)| self.lateral && mesh.carrier.is_some())
+        {
+            let shaft = |mesh: &Mesh| mesh.carrier.map(|node| node.shaft);
+            let of_stage = || self.meshes.iter().filter(|mesh| shaft(mesh) == shaft(first));
+            let entry = EntryPath::entry("meshes", index);
+            let at = entry.field("carrier");
+            if self.gears[first.driver].helix_angle != 0.0 {
+                return Err(at.error(
+                    "turns, and the gears are helical: gearbow computes the axial motion of helical planets with a carrier at rest only; give motion=\"torsion\", or spur gears",
+                ));
+            }
+            // The forces of a sun or a ring cancel; those of a planet act on its pin.
+            let is_balanced = |gear: usize| {
+                let outwards = of_stage().filter_map(|mesh| {
+                    let sign = f64::from(i8::from(mesh.driver == gear) - i8::from(mesh.driven == gear));
+                    (sign != 0.0).then(|| Complex64::cis(mesh.centre_line_angle) * sign)
+                });
+                outwards.sum::<Complex64>().norm() < UNBALANCED_PLANETS
+            };
+            if ![first.driver, first.driven].into_iter().any(is_balanced) {
+                return Err(at.error(
+                    "turns, and its planets do not stand at equal angles, so that their forces bend the shafts in directions that turn with the carrier; gearbow computes such planets in torsion only: give motion=\"torsion\", or at least two planets at equal angles",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a shaft only twists: one in a planetary stage whose carrier turns, and which no bearing and no coupling holds
+    /// laterally, as that of a planet on a rigid pin.
+    pub fn only_twists(&self, shaft: usize) -> bool {
+        let has_gear = |mesh: &Mesh| {
+            let of_gears = [mesh.driver, mesh.driven].map(|gear| self.gears[gear].body.node.shaft);
+            mesh.carrier.is_some() && of_gears.contains(&shaft)
+        };
+        let held = self.bearings.iter().flat_map(Bearing::nodes).any(|node| node.shaft == shaft)
+            || self.couplings.iter().flat_map(|coupling| coupling.hubs).any(|hub| hub.shaft == shaft);
+        !held && self.meshes.iter().any(has_gear)
+    }
+
+    /// Speeds of driver and driven gear of a mesh relative to its carrier, over that of the reference shaft.
+    pub fn mesh_speed_ratios(&self, mesh: &Mesh) -> [f64; 2] {
+        let carrier = mesh.carrier.map_or(0.0, |node| self.speed_ratios[node.shaft]);
+        [mesh.driver, mesh.driven].map(|gear| self.speed_ratios[self.gears[gear].body.node.shaft] - carrier)
+    }
+
+    /// Mesh order: tooth meshing frequency, rad/s, divided by the speed of the reference shaft.
+    pub fn mesh_order(&self, mesh: &Mesh) -> f64 {
+        f64::from(self.gears[mesh.driver].teeth) * self.mesh_speed_ratios(mesh)[0].abs()
     }
 
     /// All rigid bodies: gears, then disks.

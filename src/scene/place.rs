@@ -156,15 +156,17 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Places of torques, drives, forces and couplings, with list, index and field of each.
+/// Places of carriers, torques, drives, forces and couplings, with list, index and field of each.
 fn places(system: &SceneDescription) -> impl Iterator<Item = (&Place, &'static str, usize, &'static str)> {
     let entry = |list: &'static str, field: &'static str| move |(index, place): (usize, _)| (place, list, index, field);
+    let meshes = system.meshes.iter().enumerate();
+    let carriers = meshes.filter_map(|(index, mesh)| Some((mesh.carrier.as_ref()?, "meshes", index, "carrier")));
     let torques = system.torques.iter().map(|torque| &torque.at).enumerate().map(entry("torques", "at"));
     let drives = system.drives.iter().map(|drive| &drive.at).enumerate().map(entry("drives", "at"));
     let forces = system.forces.iter().map(|force| &force.at).enumerate().map(entry("forces", "at"));
     let a = system.couplings.iter().map(|coupling| &coupling.a).enumerate().map(entry("couplings", "a"));
     let b = system.couplings.iter().map(|coupling| &coupling.b).enumerate().map(entry("couplings", "b"));
-    torques.chain(drives).chain(forces).chain(a).chain(b)
+    carriers.chain(torques).chain(drives).chain(forces).chain(a).chain(b)
 }
 
 /// The supports of single bearings, with the index of the bearing.

@@ -139,6 +139,11 @@ pub(super) struct Station {
 }
 
 impl Shaft {
+    /// Whether the description says that the shaft does not turn, as the ring or the sun of a planetary stage.
+    pub fn is_at_rest(&self) -> bool {
+        self.speed_ratio == Some(0.0)
+    }
+
     /// Length of the shaft, m.
     pub fn length(&self) -> f64 {
         self.nodes.last().copied().unwrap_or(0.0)

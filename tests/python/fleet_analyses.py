@@ -76,7 +76,7 @@ def quantity(system: gb.RotorSystem) -> str:
 
 def turn(system: gb.RotorSystem, speed: float) -> float:
     """Time after which the slowest shaft and all shafts with a drive of their own complete revolutions [s]."""
-    slowest = min(abs(ratio) for ratio in system.speed_ratios)
+    slowest = min(abs(ratio) for ratio in system.speed_ratios if ratio != 0.0)
     own = [
         abs(ratio) / slowest
         for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from gearbow._types import Plain
+from gearbow._types import At, Plain
 from gearbow.description.part import Part, freeze
 from gearbow.description.stiffness import Stiffness
 
@@ -305,6 +305,10 @@ class Mesh(Part):
         Sliding friction between the flanks: a coefficient, or a `MeshFriction`; None is no
         friction. It acts in runs and steady states, and `RotorSystem.efficiency` gives its loss.
         Modes, responses to harmonic forces and the static equilibrium do not contain it.
+    carrier : str or tuple of (str, float), optional
+        What carries the planet of this mesh, if it turns: a disk or gear by name, or (shaft,
+        position [m]). Angles and twists of both gears are then relative to it. It needs
+        `motion="torsion"`; `PlanetaryStage` sets it. None: the axes of both gears are fixed.
 
     Examples
     --------
@@ -329,6 +333,7 @@ class Mesh(Part):
     tip_relief: TipRelief | None = None
     error: TransmissionError | None = None
     friction: float | MeshFriction | None = None
+    carrier: At | None = None
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Mesh":
@@ -337,6 +342,8 @@ class Mesh(Part):
             given["stiffness"] = Stiffness._from_description(given["stiffness"])
         if isinstance(given.get("friction"), Mapping):
             given["friction"] = MeshFriction._from_description(given["friction"])
+        if isinstance(given.get("carrier"), (list, tuple)):
+            given["carrier"] = tuple(given["carrier"])
         for key, kind in (("tip_relief", TipRelief), ("error", TransmissionError)):
             if key in given:
                 given[key] = kind._from_description(given[key])

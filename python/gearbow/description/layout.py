@@ -7,7 +7,7 @@ with n times the angle of its shaft excites n |r_s|, where n need not be a whole
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, pairwise
 from typing import Any, Protocol, TypeAlias
@@ -466,7 +466,7 @@ def layout(
     while found := next(
         chain(
             _next_origin(meshes, centre_distances, by_name, origins),
-            _next_coaxial(_coaxial(couplings, bearings, places), origins),
+            _next_coaxial(coaxial(couplings, bearings, meshes, by_name, places), origins),
         ),
         None,
     ):
@@ -566,12 +566,22 @@ def _next_origin(
                 yield new.shaft, origins[known.shaft] + sign * offset
 
 
-def _coaxial(
-    couplings: Sequence[Coupling],
-    bearings: Sequence[AnyBearing],
-    places: dict[str, tuple[str, float]],
+def coaxial(
+    couplings: Iterable[Coupling],
+    bearings: Iterable[AnyBearing],
+    meshes: Iterable[Mesh],
+    gears: Mapping[str, Gear],
+    places: Mapping[str, tuple[str, float]],
 ) -> Iterator[tuple[tuple[str, float], tuple[str, float]]]:
-    """Give the places that couplings, and bearings between two shafts, put at one point."""
+    """Give the places that couplings, and bearings between two shafts, put at one point.
+
+    A carrier that turns is at the place of the ring around its planets.
+    """
+    for mesh in meshes:
+        rings = [name for name in (mesh.driver, mesh.driven) if gears[name].internal]
+        if mesh.carrier is not None and rings:
+            carrier = mesh.carrier
+            yield places[rings[0]], places[carrier] if isinstance(carrier, str) else carrier
     for coupling in couplings:
         a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
         yield a, b

@@ -1,7 +1,7 @@
 """Planetary stages: planets on pins of a carrier, as shafts, gears, meshes and bearings.
 
 A stage adds a short shaft for every planet, the planet on it, its two meshes and its bearings. The
-carrier stands still (star gear): it is the ground, or a housing.
+carrier stands still (star gear): it is the ground, or a housing. Or it turns, as a part of a shaft.
 """
 
 import math
@@ -10,11 +10,12 @@ from dataclasses import KW_ONLY, dataclass, fields, replace
 from typing import Any
 
 from gearbow._convert import real, shown, whole
-from gearbow._types import MeshGeometry
-from gearbow.description.gears import Gear, Mesh
+from gearbow._types import At, MeshGeometry
+from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
-from gearbow.description.loads import Bearing
+from gearbow.description.loads import Bearing, Drive
 from gearbow.description.part import Part, freeze, parts
+from gearbow.description.places import place
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Material, Shaft
 from gearbow.errors import SceneError
@@ -23,6 +24,9 @@ from gearbow.errors import SceneError
 _FITTING = 1e-6
 #: Default material of pins: the planet has all the mass. A shaft of this density is massless.
 _MASSLESS = Material(youngs_modulus=207e9, density=1.0, poisson_ratio=0.3)
+#: Diameter of the shaft of a planet or of a ring at rest over that of the gear, in torsion: nothing
+#: loads this shaft, and a quarter of a percent of the mass is its own.
+_THIN = 0.05
 
 
 @dataclass(frozen=True)
@@ -36,8 +40,7 @@ class RingGear(Part):
     teeth : int
         Number of teeth.
     support : str, optional
-        Name of the shaft that carries it, or of a housing; None is the ground. A ring that does not
-        stand on a shaft needs a carrier that turns.
+        Name of the shaft that carries it; None is the ground, which needs a carrier that turns.
     position : float
         Position on the shaft, from its left end [m].
     module : float
@@ -58,11 +61,19 @@ class RingGear(Part):
         Moment of inertia about a diameter [kg m²].
     polar_inertia : float, optional
         Moment of inertia about the axis [kg m²].
+    rotational_stiffness : float, optional
+        Stiffness with which the ground holds the ring against rotation [N m/rad]; a ring on the
+        ground needs it. For a bolted ring, 1e9 N/m times the square of its pitch radius is usual.
+    rotational_damping : float
+        Damping of this support [N m s/rad].
 
     Examples
     --------
+    A ring on the output shaft, and one in the housing:
+
     >>> import gearbow as gb
     >>> ring = gb.RingGear("ring", 72, support="output", position=0.1, module=3e-3, face_width=0.03)
+    >>> ring = gb.RingGear("ring", 72, module=3e-3, face_width=0.03, rotational_stiffness=1e7)
     """
 
     name: str
@@ -79,31 +90,68 @@ class RingGear(Part):
     mass: float | None = None
     diametral_inertia: float | None = None
     polar_inertia: float | None = None
+    rotational_stiffness: float | None = None
+    rotational_damping: float = 0.0
+
+    def _on_ground(self, path: str) -> tuple[Shaft, Drive]:
+        """Give the shaft of a ring on the ground, which does not turn, and what holds it."""
+        whole(self.teeth, f"{path}.teeth")
+        if self.rotational_stiffness is None:
+            raise SceneError(
+                f"{path}.rotational_stiffness: a ring on the ground needs the stiffness that holds "
+                "it against rotation [N m/rad]; for a bolted ring, 1e9 N/m times the square of its "
+                "pitch radius is usual"
+            )
+        diameter = self.module * self.teeth / math.cos(self.helix_angle)
+        shaft = Shaft(
+            f"{self.name} mount",
+            length=diameter if self.face_width is None else self.face_width,
+            outer_diameter=_THIN * diameter,
+            speed_ratio=0.0,
+        )
+        drive = Drive(self.name, self.rotational_stiffness, self.rotational_damping)
+        return shaft, drive
 
     def _gear(self, shafts: Sequence[str], path: str) -> Gear:
         """Give the gear on its shaft."""
         whole(self.teeth, f"{path}.teeth")
+        if self.rotational_stiffness is not None and self.support in shafts:
+            raise SceneError(
+                f"{path}.rotational_stiffness: is for a ring on the ground, and this one stands on "
+                f'"{self.support}"; leave it out, or give no support'
+            )
         if self.support not in shafts:
             base = "the ground" if self.support is None else shown(self.support)
             raise SceneError(
-                f"{path}.support: a ring on {base} does not turn, so that the carrier must, which "
-                'gearbow does not compute: give the name of a shaft, for example "'
+                f"{path}.support: a ring on {base} does not turn, so that the carrier must: give "
+                "the carrier of the stage as a disk or (shaft, position) and leave the ring on the "
+                'ground (None), or give the name of a shaft for the ring, for example "'
                 + (shafts[-1] if shafts else "output")
                 + '"'
             )
-        own = {field.name: getattr(self, field.name) for field in fields(self)}
-        own |= {"shaft": own.pop("support"), "internal": True}
-        return Gear(**own)
+        own = {name: getattr(self, name) for name in _SHARED}
+        return Gear(**own, shaft=self.support, internal=True)
+
+
+#: Fields that a ring gear has in common with a gear.
+_SHARED = {field.name for field in fields(Gear)} & {field.name for field in fields(RingGear)}
+#: Lists of a system to which a stage adds parts.
+ADDED = ("shafts", "gears", "meshes", "bearings", "drives")
 
 
 @dataclass(frozen=True)
 class PlanetaryStage(Part):
-    """A planetary stage whose carrier stands still: a sun, planets and a ring.
+    """A planetary stage: a sun, planets on pins of a carrier, and a ring.
 
     `RotorSystem(planetary_stages=...)` adds to its parts, for every planet with the number i from
     1: the gear "planet i", named after `planet`, its shaft "planet pin i", its meshes with sun and
-    ring, and its bearings. Results, files and analyses know them as all others. The ring's speed
-    is −z_sun/z_ring of that of the sun (Willis, carrier at rest).
+    ring, and its bearings. Results, files and analyses know them as all others. The speeds obey
+    z_sun (Ω_sun − Ω_carrier) = −z_ring (Ω_ring − Ω_carrier) (Willis).
+
+    A carrier that turns is computed in torsion: the system needs `motion="torsion"`. The pins are
+    then rigid, and the planets need no bearings; a disk "planet masses", named after `planet`, adds
+    the inertia of the planets about the axis of the stage to the carrier. A ring on the ground gets
+    a shaft at rest, "ring mount", named after the ring, and a drive that holds it.
 
     Parameters
     ----------
@@ -113,23 +161,24 @@ class PlanetaryStage(Part):
         The ring: the name of an internal gear of the system, or a ring gear on a shaft.
     planets : int or sequence of float
         Number of planets at equal angles, or their angles from y towards z [rad].
-    carrier : str, optional
-        Name of the housing that carries the pins; None is the ground. The name of a shaft is an
-        error: gearbow does not compute a carrier that turns.
+    carrier : str or tuple of (str, float), optional
+        What carries the pins: a housing by name, or None for the ground (star gear). A carrier that
+        turns is a disk or gear by name, or (shaft, position [m]).
     planet : Gear
         One planet. Its position is that on its shaft, the name of which is ignored.
     bearing : Bearing, JournalBearing, RollingBearing or sequence of them
-        Bearings of one planet on its pin. Positions are those on the shaft of the planet; the name
-        of the shaft is ignored. Two bearings, or one with a tilting stiffness, hold a planet
-        against tilting.
+        Bearings of one planet on its pin, for a carrier at rest. Positions are those on the shaft
+        of the planet; the name of the shaft is ignored. Two bearings, or one with a tilting
+        stiffness, hold a planet against tilting. With a carrier that turns they are an error.
     pin : Shaft, optional
         Shaft of one planet, after whose name those of all planets are named. None is a massless
         steel shaft "planet pin" with the length of the face width and half of the diameter of the
         planet.
     sun_mesh, ring_mesh : Mesh, optional
         Meshes of one planet, with the names of sun, planet and ring; their driver decides on the
-        direction of the power. None: the sun drives the planets, and these the ring. Line of
-        centres and phase of the teeth are set by the stage.
+        direction of the power relative to the carrier. None: the sun drives the planets, and these
+        the ring. Where the carrier drives the sun, as in a wind turbine, the ring drives the
+        planets, and these the sun. Line of centres and phase of the teeth are set by the stage.
     centre_distance : float, optional
         Distance of the planets from the axis [m]. None is the one without play, if it is the same
         in both meshes.
@@ -137,8 +186,8 @@ class PlanetaryStage(Part):
     Raises
     ------
     SceneError
-        If the teeth of the planets do not fit between sun and ring at these angles, or if the
-        carrier turns.
+        If the teeth of the planets do not fit between sun and ring at these angles, or if
+        neighbouring planets overlap.
 
     Examples
     --------
@@ -163,12 +212,31 @@ class PlanetaryStage(Part):
     ... )
     >>> print(system.speed_ratios)
     [ 1.         -0.33333333 -1.         -1.         -1.        ]
+
+    The same with a ring at rest and a carrier that turns, 1/(1 + 72/24) of the speed of the sun:
+
+    >>> stage = gb.PlanetaryStage(
+    ...     sun="sun",
+    ...     ring=gb.RingGear("ring", 72, **tooth, rotational_stiffness=1e7),
+    ...     planets=3,
+    ...     carrier="carrier",
+    ...     planet=gb.Gear("planet", "pin", 0.01, teeth=24, **tooth),
+    ... )
+    >>> system = gb.RotorSystem(
+    ...     shafts=[gb.Shaft(n, length=0.1, outer_diameter=0.02) for n in ("input", "output")],
+    ...     gears=[gb.Gear("sun", "input", 0.05, teeth=24, **tooth)],
+    ...     disks=[gb.Disk("carrier", "output", 0.05, 2.0, 0.005, 0.01)],
+    ...     planetary_stages=[stage],
+    ...     motion="torsion",
+    ... )
+    >>> print(system.speed_ratios)
+    [ 1.    0.25  0.   -0.5  -0.5  -0.5 ]
     """
 
     sun: str
     ring: str | RingGear
     planets: int | Sequence[float]
-    carrier: str | None = None
+    carrier: At | None = None
     _: KW_ONLY
     planet: Gear
     bearing: (
@@ -176,7 +244,7 @@ class PlanetaryStage(Part):
         | JournalBearing
         | RollingBearing
         | Sequence[Bearing | JournalBearing | RollingBearing]
-    )
+    ) = ()
     pin: Shaft | None = None
     sun_mesh: Mesh | None = None
     ring_mesh: Mesh | None = None
@@ -200,6 +268,11 @@ class PlanetaryStage(Part):
         if not angles or not all(map(math.isfinite, angles)):
             raise SceneError(f"{path}.planets: at least one planet is needed, got {self.planets}")
         return angles
+
+    def _planets(self) -> list[str]:
+        """Give the names of the planets."""
+        count = len(self._angles("planets"))
+        return [f"{self.planet.name} {i}" for i in range(1, count + 1)]
 
     def _check_fit(self, sun: Gear, ring: Gear, angles: Sequence[float], path: str) -> None:
         """Refuse angles at which the teeth of a planet do not fit between sun and ring."""
@@ -249,22 +322,55 @@ class PlanetaryStage(Part):
             )
         return found
 
+    def _turning(
+        self, shafts: Sequence[str], bodies: Mapping[str, Gear | Disk], path: str
+    ) -> tuple[str, float] | None:
+        """Give shaft and position of a carrier that turns; None if it stands still."""
+        if self.carrier is None:
+            return None
+        at = place(self.carrier, f"{path}.carrier", "place")
+        if isinstance(at, str):
+            if at in shafts:
+                raise SceneError(
+                    f'{path}.carrier: "{at}" is a shaft: give the disk on it that is the carrier, '
+                    f'or ("{at}", x) with the position x of the carrier on it [m]'
+                )
+            return (bodies[at].shaft, bodies[at].position) if at in bodies else None
+        return at[0], at[1]
+
     def _expand(
-        self, shafts: Sequence[Shaft], gears: Sequence[Gear], path: str
+        self,
+        shafts: Sequence[Shaft],
+        gears: Sequence[Gear],
+        disks: Sequence[Disk],
+        path: str,
     ) -> dict[str, list[Any]]:
         """Give the parts that the stage adds."""
         self._check_kinds(path)
         names = [shaft.name for shaft in shafts]
-        if self.carrier in names:
+        turning = self._turning(names, {body.name: body for body in (*gears, *disks)}, path)
+        bearings = self._bearings(path)
+        if (turning is None) != bool(bearings):
             raise SceneError(
-                f'{path}.carrier: "{self.carrier}" is a shaft, and gearbow does not compute a '
-                "carrier that turns; give a housing, or None for the ground, and let the ring turn "
-                "(star gear)"
+                f"{path}.bearing: "
+                + (
+                    "the planets need bearings on their pins"
+                    if turning is None
+                    else "the pins of a carrier that turns are rigid, as it is computed in torsion "
+                    "only; leave the bearings out"
+                )
             )
-        added: dict[str, list[Any]] = {"shafts": [], "gears": [], "meshes": [], "bearings": []}
+        added: dict[str, list[Any]] = {key: [] for key in ADDED}
         by_name = {gear.name: gear for gear in gears}
         if isinstance(self.ring, RingGear):
-            ring = self.ring._gear(names, f"{path}.ring")
+            given = self.ring
+            if turning is not None and given.support is None:
+                mount, drive = given._on_ground(f"{path}.ring")
+                added["shafts"].append(mount)
+                added["drives"].append(drive)
+                given = replace(given, support=mount.name, position=0.0, rotational_stiffness=None)
+                names.append(mount.name)
+            ring = given._gear(names, f"{path}.ring")
             added["gears"].append(ring)
             by_name[ring.name] = ring
         for field, name in (("sun", self.sun), ("ring", self.ring)):
@@ -285,9 +391,10 @@ class PlanetaryStage(Part):
         self._check_fit(sun, ring, angles, path)
         distance = self._distance(sun, ring, path)
         meshes = self._meshes(sun, ring, path)
+        self._check_neighbours(sun, angles, path)
         for i, angle in enumerate(angles, start=1):
             own = f"{self.planet.name} {i}"
-            pin = self._pin(path)
+            pin = self._pin(turning is not None, path)
             shaft = f"{pin.name} {i}"
             added["shafts"].append(replace(pin, name=shaft))
             added["gears"].append(replace(self.planet, name=own, shaft=shaft))
@@ -304,12 +411,34 @@ class PlanetaryStage(Part):
                             angle if outwards else angle + math.pi, 2.0 * math.pi
                         ),
                         centre_distance=distance,
+                        carrier=turning,
                     )
                 )
             added["bearings"] += [
-                replace(each, shaft=shaft, support=self.carrier) for each in self._bearings(path)
+                replace(each, shaft=shaft, support=self.carrier) for each in bearings
             ]
         return added
+
+    def _check_neighbours(self, sun: Gear, angles: Sequence[float], path: str) -> None:
+        """Refuse planets whose tip circles overlap."""
+        planet = self.planet
+        if planet.module is None or len(angles) < 2:
+            return
+        scale = 0.5 * planet.module / math.cos(planet.helix_angle)
+        radius = planet.tip_radius
+        if radius is None:
+            radius = scale * planet.teeth + planet.module * (1.0 + planet.profile_shift)
+        distance = self.centre_distance or scale * (sun.teeth + planet.teeth)
+        turn = 2.0 * math.pi
+        placed = sorted((angle % turn, i) for i, angle in enumerate(angles))
+        for (here, i), (there, j) in zip(placed, [*placed[1:], placed[0]], strict=True):
+            apart = 2.0 * distance * math.sin(0.5 * ((there - here) % turn))
+            if apart <= 2.0 * radius:
+                raise SceneError(
+                    f"{path}.planets: planets {i + 1} and {j + 1} overlap: their centres are "
+                    f"{1e3 * apart:.4g} mm apart, their tip circles need {2e3 * radius:.4g} mm; "
+                    "use fewer planets, or planets with fewer teeth"
+                )
 
     def _check_kinds(self, path: str) -> None:
         """Refuse values of wrong classes; planets and bearings are checked where they are used."""
@@ -321,20 +450,18 @@ class PlanetaryStage(Part):
         given = self.bearing if isinstance(self.bearing, list | tuple) else (self.bearing,)
         return parts(given, Bearing, f"{path}.bearing", JournalBearing, RollingBearing)
 
-    def _pin(self, path: str) -> Shaft:
+    def _pin(self, turning: bool, path: str) -> Shaft:
         """Give the shaft of one planet."""
         if self.pin is not None:
             return self.pin
         planet = self.planet
         if planet.module is None or planet.face_width is None:
             raise SceneError(f"{path}.pin: give it, or module and face_width of the planet")
-        diameter = 0.5 * planet.module * planet.teeth / math.cos(planet.helix_angle)
-        return Shaft(
-            f"{planet.name} pin",
-            length=planet.face_width,
-            outer_diameter=diameter,
-            material=_MASSLESS,
-        )
+        diameter = planet.module * planet.teeth / math.cos(planet.helix_angle)
+        name, length = f"{planet.name} pin", planet.face_width
+        if turning:
+            return Shaft(name, length=length, outer_diameter=_THIN * diameter)
+        return Shaft(name, length=length, outer_diameter=0.5 * diameter, material=_MASSLESS)
 
 
 def _ends(mesh: Mesh) -> tuple[str, str]:
@@ -342,15 +469,38 @@ def _ends(mesh: Mesh) -> tuple[str, str]:
 
 
 def expanded(
-    stages: Sequence[PlanetaryStage], shafts: Sequence[Shaft], gears: Sequence[Gear]
+    stages: Sequence[PlanetaryStage],
+    shafts: Sequence[Shaft],
+    gears: Sequence[Gear],
+    disks: Sequence[Disk],
 ) -> dict[str, list[Any]]:
-    """Give the shafts, gears, meshes and bearings that stages add to a system."""
-    added: dict[str, list[Any]] = {"shafts": [], "gears": [], "meshes": [], "bearings": []}
+    """Give the parts that stages add to a system."""
+    added: dict[str, list[Any]] = {key: [] for key in ADDED}
     for index, stage in enumerate(stages):
         path = f"planetary_stages[{index}]"
-        for key, found in stage._expand(shafts, gears, path).items():
+        for key, found in stage._expand(shafts, gears, disks, path).items():
             added[key] += found
     return added
+
+
+def planet_masses(
+    stage: PlanetaryStage,
+    meshes: Sequence[Mesh],
+    geometry: Mapping[tuple[str, str], MeshGeometry],
+    gears: Mapping[str, Gear],
+    masses: Mapping[str, float],
+) -> list[Disk]:
+    """Give the disk with the inertia of planets about the axis of a carrier that turns.
+
+    `masses` are those of shafts with what they carry [kg]. Rigid pins move the planets along with
+    the carrier; the spin of a planet about its own axis is a motion of its own.
+    """
+    first = next(mesh for mesh in meshes if f"{stage.planet.name} 1" in _ends(mesh))
+    if first.carrier is None or isinstance(first.carrier, str):
+        return []
+    total = sum(masses[gears[name].shaft] for name in stage._planets())
+    polar = total * geometry[_ends(first)]["centre_distance"] ** 2
+    return [Disk(f"{stage.planet.name} masses", *first.carrier, total, 0.5 * polar, polar)]
 
 
 def tooth_angles(
@@ -358,15 +508,14 @@ def tooth_angles(
     meshes: Sequence[Mesh],
     geometry: Mapping[tuple[str, str], MeshGeometry],
     gears: Mapping[str, Gear],
-    senses: Mapping[str, float],
+    ratios: Mapping[str, float],
 ) -> dict[tuple[str, str], float]:
     """Find `Mesh.tooth_angle` of the meshes that the planets of a stage drive."""
     # A planet has one position, which the mesh that drives it gives: the flank that drives the
     # next gear is the other one of the tooth in contact.
     pairs = [mesh for mesh in meshes if (mesh.driver, mesh.driven) in geometry]
     found = {}
-    names = [f"{stage.planet.name} {i}" for i in range(1, len(stage._angles("planets")) + 1)]
-    for name in names:
+    for name in stage._planets():
         first = next(mesh for mesh in pairs if mesh.driven == name)
         second = next(mesh for mesh in pairs if mesh.driver == name)
         planet = gears[name]
@@ -376,11 +525,12 @@ def tooth_angles(
         sign = math.copysign(1.0, driver * own)
         total = abs(driver) + sign * own
         tangent = sign * math.sqrt(shape["centre_distance"] ** 2 - total**2)
-        sense = senses[gears[first.driver].shaft]
+        carrier = 0.0 if first.carrier is None else ratios[first.carrier[0]]
+        sense = math.copysign(1.0, ratios[gears[first.driver].shaft] - carrier)
         line = math.atan2(tangent, total)
         position = abs(driver) * (sense * (first.tooth_angle - first.centre_line_angle) + line)
         touching = first.centre_line_angle - sense * line + (math.pi if sign > 0.0 else 0.0)
-        turning = senses[planet.shaft]
+        turning = math.copysign(1.0, ratios[planet.shaft] - carrier)
         behind = touching - turning * (tangent - position) / own
         found[name, second.driven] = math.remainder(
             behind + 2.0 * turning * _half_angle(planet), 2.0 * math.pi

@@ -14,9 +14,9 @@ from matplotlib.path import Path
 from gearbow._types import Array, At
 from gearbow.description.gears import Disk
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
-from gearbow.description.layout import BodyOutline, ShaftOutline
+from gearbow.description.layout import BodyOutline, ShaftOutline, coaxial
 from gearbow.description.loads import Torque
-from gearbow.description.places import Support, other_shaft
+from gearbow.description.places import Support
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.train import Train
 from gearbow.plotting.labels import Box, Labels, around
@@ -181,6 +181,10 @@ def developed(train: Train) -> Development:
     heights = {first.name: 0.0}
     placed = list(_boxes(train, first, 0.0))
     moved = []
+    gears = {gear.name: gear.shaft for gear in train.parts["gears"]}
+    stages = [mesh for mesh in train.parts["meshes"] if mesh.carrier is not None]
+    # sun, planets and ring of a stage lie in each other
+    nested = {gears[name] for mesh in stages for name in (mesh.driver, mesh.driven)}
     waiting = deque([first.name])
     while waiting:
         known = waiting.popleft()
@@ -189,7 +193,9 @@ def developed(train: Train) -> Development:
                 continue
             shaft = train.layout.shaft(name)
             wanted = [heights[known] + distance, heights[known] - distance]
-            free = [y for y in wanted if not _covered(_boxes(train, shaft, y), placed)]
+            free = [
+                y for y in wanted if name in nested or not _covered(_boxes(train, shaft, y), placed)
+            ]
             if not free and distance != 0.0:
                 moved.append(name)
             heights[name] = free[0] if free else _beyond(train, shaft, wanted, placed)
@@ -231,15 +237,11 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
                 y, z = origins[other][1:] - origins[own][1:]
                 upwards = y if abs(y) > 1e-9 * abs(z) else z
                 found.append((other, float(np.copysign(np.hypot(y, z), upwards))))
-    bodies = {body.name: body.shaft for body in train.layout.bodies}
-    for coupling in train.parts["couplings"]:
-        ends = [bodies[at] if isinstance(at, str) else at[0] for at in (coupling.a, coupling.b)]
+    places = {body.name: (body.shaft, body.position) for body in train.layout.bodies}
+    lists = (train.parts[key] for key in ("couplings", "bearings", "meshes"))
+    for pair in coaxial(*lists, gears, places):
+        ends = [shaft for shaft, _ in pair]
         found += [(other, 0.0) for own, other in (ends, ends[::-1]) if own == known]
-    for bearing in train.parts["bearings"]:
-        other = other_shaft(bearing.support)
-        if other is not None:
-            pair = (bearing.shaft, other[0])
-            found += [(other, 0.0) for own, other in (pair, pair[::-1]) if own == known]
     return found
 
 

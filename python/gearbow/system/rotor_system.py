@@ -1,6 +1,5 @@
 """The rotor system: its parts and options, files, variants, and all its analyses."""
 
-import math
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +21,12 @@ from gearbow.description.layout import assumptions
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
-from gearbow.description.planetary import PlanetaryStage, expanded, tooth_angles
+from gearbow.description.planetary import (
+    PlanetaryStage,
+    expanded,
+    planet_masses,
+    tooth_angles,
+)
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.description.time_series import (
@@ -265,7 +269,12 @@ class RotorSystem(CheckedKeywords, Shown):
         lists = (*lists, supports, housings, couplings, drives, forces, sleeves, notches)
         stages = parts(planetary_stages, PlanetaryStage, "planetary_stages")
         if stages:
-            added = expanded(stages, parts(shafts, Shaft, "shafts"), parts(gears, Gear, "gears"))
+            given_parts = (
+                parts(shafts, Shaft, "shafts"),
+                parts(gears, Gear, "gears"),
+                parts(disks, Disk, "disks"),
+            )
+            added = expanded(stages, *given_parts)
             lists = tuple(
                 (*given, *added.get(key, ())) for key, given in zip(PARTS, lists, strict=True)
             )
@@ -283,27 +292,30 @@ class RotorSystem(CheckedKeywords, Shown):
         with showing(plain):
             self._model = Model(plain)
         if stages:
-            lists = tuple(
-                self._phased(stages) if kind is Mesh else given
-                for kind, given in zip(PARTS.values(), lists, strict=True)
-            )
+            found = self._of_stages(stages)
+            lists = tuple(found.get(key, given) for key, given in zip(PARTS, lists, strict=True))
             self._model = Model(self._read(lists, options))
         _warn(self._model)
 
-    def _phased(self, stages: Sequence[PlanetaryStage]) -> tuple[Mesh, ...]:
-        """Give the meshes with the phases of the teeth of planets."""
+    def _of_stages(self, stages: Sequence[PlanetaryStage]) -> dict[str, tuple[Part, ...]]:
+        """Give meshes with the phases of the teeth of planets, and disks with their masses."""
         pairs = [(mesh.driver, mesh.driven) for mesh in self.meshes]
         geometry = dict(zip(pairs, mesh_geometry(self._model.description()), strict=True))
         gears = {gear.name: gear for gear in self.gears}
-        signs = [math.copysign(1.0, ratio) for ratio in self.speed_ratios]
-        senses = {shaft.name: sign for shaft, sign in zip(self.shafts, signs, strict=True)}
+        names = [shaft.name for shaft in self.shafts]
+        ratios = dict(zip(names, self.speed_ratios, strict=True))
+        properties = self._model.mass_properties()
+        masses = {name: mass for name, (mass, *_) in zip(names, properties, strict=True)}
         found: dict[tuple[str, str], float] = {}
+        disks = list(self.disks)
         for stage in stages:
-            found |= tooth_angles(stage, self.meshes, geometry, gears, senses)
-        return tuple(
+            found |= tooth_angles(stage, self.meshes, geometry, gears, ratios)
+            disks += planet_masses(stage, self.meshes, geometry, gears, masses)
+        meshes = (
             replace(mesh, tooth_angle=found[pair]) if pair in found else mesh
             for pair, mesh in zip(pairs, self.meshes, strict=True)
         )
+        return {"meshes": tuple(meshes), "disks": tuple(disks)}
 
     def _read(
         self, lists: Sequence[Sequence[Part]], options: Mapping[str, object]

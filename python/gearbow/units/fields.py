@@ -169,7 +169,7 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "checkpoint_interval": "s",
     "budget": "s",
     "highest": "1/s",
-    **dict.fromkeys(("at", "a", "b", "record", "planes", "points", "support"), _PLACE),
+    **dict.fromkeys(("at", "a", "b", "record", "planes", "points", "support", "carrier"), _PLACE),
     **dict.fromkeys(("signals", "target"), _PLACE),
 }
 

@@ -81,15 +81,16 @@ fn parts(scene: &Scene) -> BTreeSet<Vec<usize>> {
         let (kept, replaced) = (joined[a].min(joined[b]), joined[a].max(joined[b]));
         joined.iter_mut().filter(|first| **first == replaced).for_each(|first| *first = kept);
     }
-    let meshes = scene
-        .meshes
-        .iter()
-        .map(|mesh| [mesh.driver, mesh.driven].map(|gear| joined[scene.gears[gear].body.node.shaft]));
-    let meshes: BTreeSet<[usize; 2]> = meshes.collect();
+    let meshes = scene.meshes.iter().map(|mesh| {
+        let of_gears = [mesh.driver, mesh.driven].map(|gear| scene.gears[gear].body.node.shaft);
+        let nodes = of_gears.into_iter().chain(mesh.carrier.map(|node| node.shaft));
+        nodes.map(|shaft| joined[shaft]).collect::<Vec<_>>()
+    });
+    let meshes: BTreeSet<Vec<usize>> = meshes.collect();
     let in_mesh: HashSet<usize> = meshes.iter().flatten().copied().collect();
-    let alone = joined.iter().filter(|first| !in_mesh.contains(first)).map(|first| [*first; 2]);
-    let with = |pair: [usize; 2]| (0..joined.len()).filter(|shaft| pair.contains(&joined[*shaft])).collect();
-    meshes.iter().copied().chain(alone).map(with).collect()
+    let alone = joined.iter().filter(|first| !in_mesh.contains(first)).map(|first| vec![*first]);
+    let with = |group: Vec<usize>| (0..joined.len()).filter(|shaft| group.contains(&joined[*shaft])).collect();
+    meshes.iter().cloned().chain(alone).map(with).collect()
 }
 
 /// The description of these shafts and of what acts on them. Shafts, bodies and bases have their numbers as names, so that equal
@@ -105,8 +106,9 @@ fn part(given: &SceneDescription, scene: &Scene, shafts: &[usize]) -> SceneDescr
         Place::Body(name) => rename(name, &bodies),
         Place::Shaft(shaft, _) => rename(shaft, &names),
     };
+    let reference = shafts.iter().position(|shaft| scene.speed_ratios[*shaft] != 0.0).unwrap_or_default();
     let mut part = SceneDescription {
-        reference: None,
+        reference: Some(reference.to_string()),
         motion: Some(match [scene.lateral, scene.torsion] {
             [true, false] => MotionKind::Lateral,
             [false, _] => MotionKind::Torsion,
@@ -117,7 +119,7 @@ fn part(given: &SceneDescription, scene: &Scene, shafts: &[usize]) -> SceneDescr
     };
     for (shaft, index) in part.shafts.iter_mut().zip(shafts) {
         rename(&mut shaft.name, &names);
-        shaft.speed_ratio = Some(scene.speed_ratios[*index] / scene.speed_ratios[shafts[0]]);
+        shaft.speed_ratio = Some(scene.speed_ratios[*index] / scene.speed_ratios[shafts[reference]]);
     }
     // A torque that balances others may stand outside, or balance others that do.
     for (torque, known) in part.torques.iter_mut().zip(&scene.torques).filter(|(torque, _)| torque.balance) {
@@ -126,7 +128,10 @@ fn part(given: &SceneDescription, scene: &Scene, shafts: &[usize]) -> SceneDescr
     part.sleeves.retain_mut(|sleeve| rename(&mut sleeve.shaft, &names));
     part.gears.retain_mut(|gear| rename(&mut gear.name, &bodies) && rename(&mut gear.shaft, &names));
     part.disks.retain_mut(|disk| rename(&mut disk.name, &bodies) && rename(&mut disk.shaft, &names));
-    part.meshes.retain_mut(|mesh| rename(&mut mesh.driver, &bodies) && rename(&mut mesh.driven, &bodies));
+    part.meshes.retain_mut(|mesh| {
+        let renamed = rename(&mut mesh.driver, &bodies) && rename(&mut mesh.driven, &bodies);
+        renamed && mesh.carrier.as_mut().is_none_or(rename_place)
+    });
     part.torques.retain_mut(|torque| rename_place(&mut torque.at));
     part.couplings.retain_mut(|coupling| rename_place(&mut coupling.a) && rename_place(&mut coupling.b));
     part.drives.retain_mut(|drive| rename_place(&mut drive.at));

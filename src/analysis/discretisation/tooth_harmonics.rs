@@ -209,7 +209,6 @@ fn rotating_forces(model: &Model, shape: &[f64]) -> Vec<[Complex64; 2]> {
 
 /// The force that the teeth of a mesh excite at a static deflection, m.
 fn teeth(model: &Model, index: usize, deflection: f64) -> Teeth {
-    let driver = &model.scene.gears[model.scene.meshes[index].driver];
     let cycle = model.meshes[index].tooth_cycle(model.sigma(index, 0.0), TOOTH_CYCLE_SAMPLES);
     let force: Vec<f64> = cycle.iter().map(|teeth| teeth.stiffness * (deflection - teeth.error)).collect();
     let phasors: Vec<Complex64> =
@@ -219,7 +218,7 @@ fn teeth(model: &Model, index: usize, deflection: f64) -> Teeth {
         terms.sum::<Complex64>() * (2.0 / TOOTH_CYCLE_SAMPLES as f64)
     };
     Teeth {
-        order: f64::from(driver.teeth) * model.shafts[driver.body.node.shaft].ratio.abs(),
+        order: model.scene.mesh_order(&model.scene.meshes[index]),
         harmonics: (1..=MAX_HARMONICS).map(harmonic).collect(),
     }
 }

@@ -17,25 +17,33 @@ const LARGEST_DENOMINATOR: u64 = 1000;
 /// What to do without a common period.
 const RUN_IN_INSTEAD: &str = "or run in with simulate()";
 
-/// A positive ratio of two whole numbers without a common divisor.
+/// A ratio of two whole numbers without a common divisor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Ratio {
-    numerator: u128,
-    denominator: u128,
+    numerator: i128,
+    /// Positive.
+    denominator: i128,
 }
 
 impl Ratio {
+    const ZERO: Self = Self { numerator: 0, denominator: 1 };
     const ONE: Self = Self { numerator: 1, denominator: 1 };
 
-    /// The ratio; none for zero.
-    fn new(numerator: u128, denominator: u128) -> Option<Self> {
-        let divisor = gcd(numerator, denominator);
-        (numerator > 0 && denominator > 0)
-            .then(|| Self { numerator: numerator / divisor, denominator: denominator / divisor })
+    /// The ratio; none for the denominator zero.
+    fn new(numerator: i128, denominator: i128) -> Option<Self> {
+        let divisor = gcd(numerator, denominator).checked_mul(denominator.signum())?;
+        (divisor != 0).then(|| Self { numerator: numerator / divisor, denominator: denominator / divisor })
+    }
+
+    /// The sum; none on overflow.
+    fn plus(self, other: Self) -> Option<Self> {
+        let numerator = self.numerator.checked_mul(other.denominator)?;
+        let numerator = numerator.checked_add(other.numerator.checked_mul(self.denominator)?)?;
+        Self::new(numerator, self.denominator.checked_mul(other.denominator)?)
     }
 
     /// The product with `numerator`/`denominator`; none on overflow.
-    fn times(self, numerator: u128, denominator: u128) -> Option<Self> {
+    fn times(self, numerator: i128, denominator: i128) -> Option<Self> {
         Self::new(self.numerator.checked_mul(numerator)?, self.denominator.checked_mul(denominator)?)
     }
 
@@ -61,7 +69,7 @@ impl Ratio {
                 return None;
             }
             if (p[1] as f64 / q[1] as f64 - value).abs() <= ROUND_OFF * value {
-                return Self::new(u128::from(p[1]), u128::from(q[1]));
+                return Self::new(i128::from(p[1]), i128::from(q[1]));
             }
             rest = (rest - whole).recip();
         }
@@ -183,9 +191,10 @@ fn sources(model: &Model) -> Vec<Source> {
             || error.is_some_and(|error| !error.tooth.is_empty() || !error.table.is_empty())
         {
             let name = format!("teeth of mesh \"{}\"-\"{}\"", driver.body.name, driven.body.name);
-            let order = f64::from(driver.teeth) * scene.speed_ratios[first].abs();
-            let exact = ratios[first].and_then(|ratio| ratio.times(u128::from(driver.teeth), 1));
-            sources.push(Source::exact(name, exact, order));
+            let carrier = mesh.carrier.map_or(Some(Ratio::ZERO), |node| ratios[node.shaft]);
+            let relative = carrier.zip(ratios[first]).and_then(|(carrier, own)| own.plus(carrier.times(-1, 1)?));
+            let exact = relative.and_then(|ratio| ratio.times(i128::from(driver.teeth), 1));
+            sources.push(Source::exact(name, exact, scene.mesh_order(mesh)));
         }
         let harmonics = [(first, error.map(|e| &e.driver)), (second, error.map(|e| &e.driven))];
         for (at, harmonics) in harmonics {
@@ -223,29 +232,32 @@ fn loads<'a>(model: &'a Model, ratios: &'a [Option<Ratio>]) -> impl Iterator<Ite
     })
 }
 
-/// Speed ratio of each shaft to the reference shaft, without its sign; none where the numbers are too large.
+/// Speed ratio of each shaft to the reference shaft; none where the numbers are too large.
 fn speed_ratios(scene: &Scene) -> Vec<Option<Ratio>> {
-    let mut ratios: Vec<Option<Ratio>> = scene.shafts.iter().map(|shaft| Ratio::of(shaft.speed_ratio?.abs())).collect();
+    let given = |ratio: f64| {
+        if ratio == 0.0 { Some(Ratio::ZERO) } else { Ratio::of(ratio.abs())?.times(ratio.signum() as i128, 1) }
+    };
+    let mut ratios: Vec<Option<Ratio>> = scene.shafts.iter().map(|shaft| given(shaft.speed_ratio?)).collect();
     let reference = scene.speed_ratios.iter().position(|ratio| *ratio == 1.0).unwrap_or(0);
     ratios[reference] = Some(Ratio::ONE);
-    let teeth = |gear: usize| (scene.gears[gear].body.node.shaft, u128::from(scene.gears[gear].teeth));
-    let meshes = scene.meshes.iter().map(|mesh| [teeth(mesh.driver), teeth(mesh.driven)]);
-    let couplings = scene.couplings.iter().map(|coupling| coupling.hubs.map(|hub| (hub.shaft, 1)));
-    let pairs: Vec<[(usize, u128); 2]> = meshes.chain(couplings).collect();
+    let relations = scene.speed_relations();
     // Each pass reaches at least one more shaft.
     for _ in 0..scene.shafts.len() {
-        for [a, b] in &pairs {
-            for ((from, here), (to, there)) in [(a, b), (b, a)] {
-                if let (Some(ratio), None) = (ratios[*from], ratios[*to]) {
-                    ratios[*to] = ratio.times(*here, *there);
-                }
+        for entries in &relations {
+            let mut unknown = entries.iter().filter(|(shaft, _)| ratios[*shaft].is_none());
+            if let (Some((shaft, factor)), None) = (unknown.next(), unknown.next()) {
+                let mut known = entries.iter().filter(|(other, _)| other != shaft);
+                let term = |(other, factor): &(usize, i128)| ratios[*other]?.times(-factor, 1);
+                let sum = known.try_fold(Ratio::ZERO, |sum, entry| sum.plus(term(entry)?));
+                ratios[*shaft] = sum.and_then(|sum| sum.times(1, *factor));
             }
         }
     }
     ratios
 }
 
-fn gcd(mut a: u128, mut b: u128) -> u128 {
+fn gcd(a: i128, b: i128) -> i128 {
+    let [mut a, mut b] = [a, b].map(i128::saturating_abs);
     while b > 0 {
         (a, b) = (b, a % b);
     }

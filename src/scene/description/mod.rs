@@ -295,6 +295,9 @@ pub struct Mesh {
     /// Friction between the flanks: a coefficient, or a table; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<MeshFriction>,
+    /// The turning carrier on which the planet of this mesh sits; none for gears on fixed axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carrier: Option<Place>,
 }
 
 /// A gear or disk by name, or a position on a shaft.

@@ -301,7 +301,8 @@ class Balance:
             next(g for g in self.system.gears if g.name == name)
             for name in (mesh.driver, mesh.driven)
         )
-        side = np.sign(speed * self.ratio[a.shaft])
+        carrier = mesh.carrier and self.system.coordinates.shaft(mesh.carrier)
+        side = np.sign(speed * (self.ratio[a.shaft] - self.ratio.get(carrier, 0.0)))
         if mesh.backlash is not None:
             side = np.where(force < 0.0, -side, side)  # the back flanks push
             force = np.abs(force)
@@ -332,6 +333,14 @@ class Balance:
             y = -along * np.cos(alpha) * np.sin(gamma) - np.sin(alpha) * np.cos(gamma)
             z = along * np.cos(alpha) * np.cos(gamma) - np.sin(alpha) * np.sin(gamma)
             turning = side
+        if carrier is not None:
+            # the stage acts in torsion only; the carrier takes the torque that both gears leave
+            torques = -side * force * radii[0], turning * force * radii[1]
+            for shaft, torque in zip(
+                (a.shaft, b.shaft, carrier), (*torques, -sum(torques)), strict=True
+            ):
+                self._add(shaft, torque=torque)
+            return
         self._add(a.shaft, -force * y, -force * z, thrust, -side * force * radii[0])
         self._add(b.shaft, force * y, force * z, -thrust, turning * force * radii[1])
         if mesh.friction is not None and isinstance(self.motion, gb.Response):

@@ -51,7 +51,8 @@ torques = [{ at = "g1", value = 250.0 }, { at = "g4", balance = true }]
 "#;
 
 /// Indices of (v_a, w_a, v_b, w_b, θ_a, θ_b) of a single mesh.
-pub const COORDINATES: MeshCoordinates = MeshCoordinates { translation: Some([0, 2]), axial: None, twist: [4, 5] };
+pub const COORDINATES: MeshCoordinates =
+    MeshCoordinates { translation: Some([0, 2]), axial: None, twist: [4, 5], carrier: None };
 
 /// The scene of one mesh: `gears` gives the fields of the gears ga and gb, `mesh` those of the mesh.
 pub fn scene_of_mesh(gears: [&str; 2], mesh: &str) -> Scene {
