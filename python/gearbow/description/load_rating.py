@@ -83,8 +83,8 @@ _Y = np.array(
     ]
 )
 _X = (0.56, 0.56, 0.46, 0.44, 0.43, 0.41, 0.39, 0.37, 0.35, 0.33)
-#: Static factors X₀ and Y₀ of single-row ball bearings by contact angle (ISO 76:2006, table 2, which
-#: was not compared with the print). Those of 15°, 25° and 40° are also in LYC's table "Equivalent
+#: Static factors X₀ and Y₀ of single-row ball bearings by contact angle (ISO 76:2006, table 2,
+#: not compared with the print). Those of 15°, 25° and 40° are also in LYC's table "Equivalent
 #: static load - angular contact ball bearings" (www.lycbearing.com), that of 40° in sheets of FAG.
 _X_STATIC = (0.6, *[0.5] * 9)
 _Y_STATIC = (0.5, 0.52, 0.50, 0.46, 0.42, 0.38, 0.33, 0.29, 0.26, 0.22)
