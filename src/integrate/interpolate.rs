@@ -42,15 +42,16 @@ pub trait Trajectory {
         false
     }
 
-    /// Writes the accelerations of `coordinates` at their indices, one vector of all coordinates for each instant. They follow
-    /// from the state and the equation of motion.
+    /// Writes the accelerations of `coordinates` at their indices, one vector of all coordinates for each instant of the last call
+    /// of [`Self::states`]. They follow from the state and the equation of motion.
     ///
     /// # Errors
     /// [`Halt`] where the equation is not defined.
     fn accelerations(&mut self, instants: &[f64], coordinates: &[usize], a: &mut [f64]) -> Result<(), Halt>;
 
-    /// Writes the values of the recorded combinations of coordinates, one set for each instant, and returns whether it can: a
-    /// motion in modal coordinates has rows for them. Otherwise they follow from the coordinates.
+    /// Writes the values of the recorded combinations of coordinates, one set for each instant of the last call of
+    /// [`Self::states`], and returns whether it can: a motion in modal coordinates has rows for them. Otherwise they follow from
+    /// the coordinates.
     ///
     /// # Errors
     /// [`Halt`] where the equation is not defined.

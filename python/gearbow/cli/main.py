@@ -260,8 +260,10 @@ def _show(given: argparse.Namespace, message: Warning | str, *_: Any) -> None:
 
 def _in_options(text: str, options: Mapping[str, str]) -> str:
     """Name the options of the command in a message that names arguments of a method."""
-    place = re.match(r"(\w+)(\[\d+\]|\.\w+)*(?=: )", text)
-    if place is not None:
-        text = options.get(place[1], place[0]) + text[place.end() :]
+    place = re.match(r"(\w+)((?:\[\d+\]|\.\w+)*)(\['.*?'\])?(?=: )", text)
+    if place is not None and place[1] in options:
+        # A value for one of several parts, as in "endurance_limit['input']".
+        part = "" if place[3] is None else f" of {place[3][2:-2]}"
+        text = options[place[1]] + part + text[place.end() :]
     # As in "give noise= or more speeds".
     return re.sub(r"\b(\w+)=(?= )", lambda found: options.get(found[1], found[0]), text)

@@ -83,12 +83,16 @@ _Y = np.array(
     ]
 )
 _X = (0.56, 0.56, 0.46, 0.44, 0.43, 0.41, 0.39, 0.37, 0.35, 0.33)
-#: Static factors X₀ and Y₀ of single-row ball bearings by contact angle (ISO 76:2006, table 2).
+#: Static factors X₀ and Y₀ of single-row ball bearings by contact angle (ISO 76:2006, table 2,
+#: not compared with the print). Those of 15°, 25° and 40° are also in LYC's table "Equivalent
+#: static load - angular contact ball bearings" (www.lycbearing.com), that of 40° in sheets of FAG.
 _X_STATIC = (0.6, *[0.5] * 9)
 _Y_STATIC = (0.5, 0.52, 0.50, 0.46, 0.42, 0.38, 0.33, 0.29, 0.26, 0.22)
 #: Largest contact angle of a radial bearing [rad] in ISO 281.
 _MOST_ANGLE = math.radians(45.0)
-#: Reliability, and life at it over the life that 90 % of bearings reach (ISO 281:2007, table 12).
+#: Reliability S, and life at it over the life that 90 % of bearings reach (ISO 281:2007, table 12):
+#: 0.95 (ln(1/S)/ln(1/0.9))^(2/3) + 0.05 in two digits, Weibull's distribution with the exponent 1.5
+#: and a smallest life of 0.05 (ISO/TR 1281-2:2008).
 _RELIABILITY = {
     0.90: 1.0,
     0.95: 0.64,
@@ -205,6 +209,8 @@ class LoadRating(Shown):
         # The first power of the cosine: that of the force of all elements across the shaft.
         across = own.count * math.cos(self.angle)
         slope, power = (1.038, 4.5) if line else (1.044, 10.0 / 3.0)
+        # J_r/J₁ and J_r/J₂ of a bearing that is loaded on half of its circumference (Harris 2001):
+        # for balls 0.2288/0.5625 and 0.2288/0.5875, for lines 0.2453/0.6495 and 0.2453/0.6744.
         factors = (0.378, 0.364) if line else (0.407, 0.389)
         weakness = (slope * own.weakness) ** power
         life = 0.0

@@ -74,23 +74,26 @@ def _draw(panel: Axes, course: Course, lines: Mapping[int, str]) -> None:
 
 def stresses(courses: Mapping[str, Sequence[Array]], *, ax: GivenAxes = None) -> Figure:
     """Draw positions [m], amplitudes and means of equivalent stresses [Pa] and utilisations."""
+    # A row for each shaft: a page is as wide for many shafts as for one.
     has_limit = any(np.isfinite(course[3]).any() for course in courses.values())
-    rows, columns = 1 + has_limit, len(courses)
+    columns = 1 + has_limit
     with panels(
-        rows * columns, 3.0, columns=columns, width=max(7.0, 4.6 * columns), sharex=True, ax=ax
+        columns * len(courses), 2.6, columns=columns, width=7.0 if columns == 1 else 12.0, ax=ax
     ) as (figure, axes):
-        for column, (shaft, (x, amplitude, mean, utilisation)) in enumerate(courses.items()):
-            own = axes[column::columns]
+        for row, (shaft, (x, amplitude, mean, utilisation)) in enumerate(courses.items()):
+            own = axes[row * columns : (row + 1) * columns]
             own[0].plot(x, 1e-6 * amplitude, color=colour(0), label="amplitude, with notch factors")
             own[0].plot(x, 1e-6 * mean, color=colour(1), label="mean")
-            own[0].set_ylim(bottom=0.0)
-            if column == 0:
-                own[0].set_ylabel("equivalent stress [MPa]")
+            own[0].set_ylabel("stress [MPa]")
+            own[0].set_title(shaft, loc="left")
+            if row == 0:
                 own[0].legend(loc="best", fontsize=text_size(0.8))
             if has_limit:
                 own[1].plot(x, utilisation, color=colour(2))
                 own[1].axhline(1.0, color="0.5", linestyle="--", linewidth=0.9)
-                own[1].set_ylim(bottom=0.0)
-                own[1].set_ylabel("utilisation" if column == 0 else "")
-            own[-1].set_xlabel(f"position on {shaft} [m]")
+                own[1].set_ylabel("utilisation")
+            for panel in own:
+                panel.set_ylim(bottom=0.0)
+                panel.locator_params(axis="x", nbins=6)
+                panel.set_xlabel("position [m]")
     return figure

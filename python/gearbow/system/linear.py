@@ -248,7 +248,9 @@ def efficiency(
         )
     with working(progress, f"efficiency at {wanted.size} speeds"):
         if not any("friction" in mesh for mesh in self.description.get("meshes", ())):
-            raise SceneError("meshes: no mesh has friction; give one gb.Mesh(..., friction=0.05)")
+            raise SceneError(
+                "meshes: no mesh has friction; give one a coefficient, such as friction = 0.05"
+            )
         found = self._model.losses(wanted.tolist(), geometry)
     power, force, coefficient, loss = np.array([rows for _, rows in found]).transpose(2, 0, 1)
     return Efficiency(

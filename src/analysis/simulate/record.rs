@@ -6,7 +6,7 @@ use super::{RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
 use crate::exponential::INSTANT_BATCH;
 use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
-use crate::model::{Cut, Moving, PlaceRows, SECTION_FORCES};
+use crate::model::{Cut, Moving, PlaceRows, SECTION_FORCES, Turning};
 use crate::motion::{CONSTANT_LOAD_SUMS, Energies, EquationOfMotion, SourceTerms};
 
 /// The recorded motion. Each vector holds one row of values after another, one row for each time.
@@ -68,6 +68,8 @@ struct Scratch {
     unbent: Vec<f64>,
     /// Values of the combinations of section forces at all instants; empty where none are recorded.
     combined: Vec<f64>,
+    /// Rotation of each shaft at one instant; empty where no section forces are recorded.
+    turnings: Vec<Turning>,
 }
 
 /// Records a run.
@@ -144,6 +146,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 velocity: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
                 acceleration: vec![0.0; if has_accelerations { INSTANT_BATCH * model.len() } else { 0 }],
                 combined: vec![0.0; INSTANT_BATCH * combinations],
+                turnings: vec![Turning::default(); if plan.cuts.is_empty() { 0 } else { model.scene.shafts.len() }],
                 unbent: vec![0.0; if plan.energy { model.len() } else { 0 }],
             },
             extra,
@@ -296,8 +299,10 @@ impl<'a, 'm> Recorder<'a, 'm> {
         let displacement = &self.scratch.displacement[begin..begin + len];
         let values = &self.scratch.combined[index * self.combinations..(index + 1) * self.combinations];
         let per_cut = self.combinations / self.plan.cuts.len().max(1);
+        let turnings = self.scratch.turnings.iter_mut().enumerate();
+        turnings.for_each(|(shaft, turning)| *turning = self.motion.turning(shaft, elapsed, displacement));
         for (number, cut) in self.plan.cuts.iter().enumerate() {
-            let turning = self.motion.turning(cut.shaft, elapsed, displacement);
+            let turning = self.scratch.turnings[cut.shaft];
             let forces = if is_combined {
                 cut.combined(&values[number * per_cut..(number + 1) * per_cut], turning)
             } else {

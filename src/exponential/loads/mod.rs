@@ -11,4 +11,4 @@ mod rotating_source;
 
 pub use changing_speed::SpeedChange;
 pub use combined::Loads;
-pub use rotating_source::{add_rotated, is_resonant};
+pub use rotating_source::is_resonant;

@@ -12,7 +12,7 @@ const RESONANCE_DISTANCE: f64 = 1e-5;
 
 /// Adds the real parts of amplitudes times a phasor to `values`.
 #[inline]
-pub fn add_rotated(amplitudes: &[Complex64], phasor: Complex64, values: &mut [f64]) {
+pub(super) fn add_rotated(amplitudes: &[Complex64], phasor: Complex64, values: &mut [f64]) {
     for (value, amplitude) in values.iter_mut().zip(amplitudes) {
         *value += amplitude.re * phasor.re - amplitude.im * phasor.im;
     }

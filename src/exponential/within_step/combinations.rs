@@ -3,10 +3,12 @@
 //! The loads p are those of the equation of motion at the state z, not their polynomial over the step.
 
 use num_complex::Complex64;
+use pulp::Arch;
 
 use super::state_map::StateMap;
 use crate::exponential::loads::Loads;
-use crate::exponential::propagator::{InterfaceMaps, Rows};
+use crate::exponential::propagator::panel_kernel::accumulate_panel;
+use crate::exponential::propagator::{InterfaceMaps, Panel, Rows};
 use crate::integrate::{Halt, Span};
 use crate::mesh::Contact;
 use crate::modal::ModalStateSpace;
@@ -38,7 +40,8 @@ impl CombinationMap {
         });
         let rows: Vec<_> = own.chain(maps.rows.iter().cloned()).collect();
         let product = |row: &[f64], column: &[f64]| row.iter().zip(column).map(|(w, b)| w * b).sum::<f64>();
-        let mobility = accelerated.iter().flat_map(|row| maps.columns.iter().map(|column| product(row, column)));
+        let mobility: Vec<_> =
+            maps.columns.iter().flat_map(|column| accelerated.iter().map(|row| product(row, column))).collect();
         let (sources, interface_len) = (loads.source_count(), maps.rows.len());
         let amplitudes = loads.spins().into_iter().enumerate().flat_map(|(source, spin)| {
             let sum = move |row: &[(usize, f64)], rate: bool| -> Complex64 {
@@ -58,7 +61,8 @@ impl CombinationMap {
         Self {
             map: StateMap::new(Rows::new(&rows, &linear.parts), reference, amplitudes.collect(), sources),
             loaded: LoadedCombinations {
-                mobility: mobility.collect(),
+                mobility: Panel::new(&mobility, combinations.len()),
+                arch: Arch::new(),
                 targets,
                 load_values: vec![0.0; loads.load_count()],
                 contacts: vec![Contact::default(); loads.connection_count()],
@@ -100,8 +104,9 @@ impl CombinationMap {
 struct LoadedCombinations {
     /// Index at which each value is written.
     targets: Vec<usize>,
-    /// V b: share of every load in every combination, combination after combination.
-    mobility: Vec<f64>,
+    /// V b: share of every load in every combination, a column for each load.
+    mobility: Panel,
+    arch: Arch,
     /// Scratch: loads, contacts and phasors of an evaluation.
     load_values: Vec<f64>,
     contacts: Vec<Contact>,
@@ -113,20 +118,18 @@ impl LoadedCombinations {
     fn write<'v>(
         &mut self,
         loads: &Loads<'_>,
-        values: impl Iterator<Item = &'v [f64]>,
+        values: impl Iterator<Item = &'v mut [f64]>,
         instants: &[f64],
         a: &mut [f64],
     ) -> Result<(), Halt> {
-        let (count, len) = (self.load_values.len(), (a.len() / instants.len().max(1)).max(1));
+        let len = (a.len() / instants.len().max(1)).max(1);
         for ((elapsed, values), a) in instants.iter().zip(values).zip(a.chunks_exact_mut(len)) {
-            let (own, interface_state) = values.split_at(self.targets.len());
+            let (own, interface_state) = values.split_at_mut(self.targets.len());
             loads.phasors(*elapsed, &mut self.phasors);
             loads.load(*elapsed, &self.phasors, interface_state, &mut self.load_values, &mut self.contacts, None)?;
-            for (at, (index, value)) in self.targets.iter().zip(own).enumerate() {
-                let mobility = &self.mobility[at * count..(at + 1) * count];
-                let by_loads: f64 =
-                    mobility.iter().zip(&self.load_values).map(|(mobility, load)| mobility * load).sum();
-                a[*index] = value + by_loads;
+            accumulate_panel(self.arch, &self.mobility, &self.load_values, own);
+            for (index, value) in self.targets.iter().zip(own) {
+                a[*index] = *value;
             }
         }
         Ok(())

@@ -278,7 +278,7 @@ fn distributed_damping(loads: &Loads<'_>, linear: &ModalStateSpace) -> StateMap 
 fn write<'v>(
     displacements: &[usize],
     velocities: &[usize],
-    values: impl Iterator<Item = &'v [f64]>,
+    values: impl Iterator<Item = &'v mut [f64]>,
     instants: &[f64],
     q: &mut [f64],
     v: &mut [f64],

@@ -3,18 +3,20 @@
 use num_complex::Complex64;
 use pulp::Arch;
 
-use crate::exponential::loads::{Loads, add_rotated};
-use crate::exponential::propagator::{Rows, kernel};
+use crate::exponential::loads::Loads;
+use crate::exponential::propagator::panel_kernel::accumulate_panel;
+use crate::exponential::propagator::{Panel, Rows, kernel};
 use crate::integrate::Span;
 
 /// Rows that map a state z to scalars, with what the reference and the synchronous motion add to them.
 #[derive(Clone, Debug)]
 pub(in crate::exponential) struct StateMap {
     rows: Rows,
-    /// Values at the reference; zero for rates.
-    reference: Vec<f64>,
-    /// Complex amplitudes of the synchronous motion, source after source.
-    amplitudes: Vec<Complex64>,
+    /// Values at the reference, which are zero for rates, then for each source the values of the synchronous motion at the phase
+    /// zero and a quarter turn later.
+    prescribed: Panel,
+    /// Scratch: factors of the columns of `prescribed`: one, then cosine and sine of the phase of each source.
+    factors: Vec<f64>,
     /// Scratch: gathered states, one after the other, and the values of their scalars.
     states: Vec<f64>,
     values: Vec<f64>,
@@ -33,9 +35,9 @@ impl StateMap {
             values: Vec::with_capacity(rows.count),
             ends: Vec::new(),
             phasors: vec![Complex64::ZERO; sources],
+            factors: vec![1.0; 1 + 2 * sources],
+            prescribed: prescribed(reference, &amplitudes),
             rows,
-            reference,
-            amplitudes,
             arch: Arch::new(),
         }
     }
@@ -46,7 +48,7 @@ impl StateMap {
     }
 
     /// The values of all scalars at the gathered states, which belong to `instants`: one list for each instant.
-    pub fn evaluate(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &[f64]> {
+    pub fn evaluate(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &mut [f64]> {
         self.map_states(instants.len());
         self.complete(loads, instants)
     }
@@ -57,7 +59,7 @@ impl StateMap {
         loads: &Loads<'_>,
         span: &Span<'_>,
         instants: &[f64],
-    ) -> impl Iterator<Item = &[f64]> {
+    ) -> impl Iterator<Item = &mut [f64]> {
         let sides = [span.before.state, span.before.derivative, span.after.state, span.after.derivative];
         sides.into_iter().for_each(|z| self.gather(z));
         self.map_states(sides.len());
@@ -82,17 +84,25 @@ impl StateMap {
     }
 
     /// Adds the reference and the synchronous motion to the values.
-    fn complete(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &[f64]> {
+    fn complete(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &mut [f64]> {
         let count = self.rows.count.max(1);
         for (values, elapsed) in self.values.chunks_exact_mut(count).zip(instants) {
             loads.phasors(*elapsed, &mut self.phasors);
-            for (value, reference) in values.iter_mut().zip(&self.reference) {
-                *value += reference;
+            for (factors, phasor) in self.factors[1..].as_chunks_mut::<2>().0.iter_mut().zip(&self.phasors) {
+                *factors = [phasor.re, phasor.im];
             }
-            for (phasor, amplitudes) in self.phasors.iter().zip(self.amplitudes.chunks_exact(count)) {
-                add_rotated(amplitudes, *phasor, values);
-            }
+            accumulate_panel(self.arch, &self.prescribed, &self.factors, values);
         }
-        self.values.chunks_exact(count)
+        self.values.chunks_exact_mut(count)
     }
+}
+
+/// The panel of [`StateMap::prescribed`]; the real part of an amplitude a times a phasor e is Re a Re e − Im a Im e.
+fn prescribed(mut reference: Vec<f64>, amplitudes: &[Complex64]) -> Panel {
+    let count = reference.len();
+    for amplitudes in amplitudes.chunks_exact(count.max(1)) {
+        reference.extend(amplitudes.iter().map(|amplitude| amplitude.re));
+        reference.extend(amplitudes.iter().map(|amplitude| -amplitude.im));
+    }
+    Panel::new(&reference, count)
 }

@@ -62,6 +62,12 @@ impl Trajectory for StepTrajectory<'_, '_> {
             if let Some(energies) = self.output.energies() {
                 energies.collect(elapsed, z);
             }
+            if let Some(accelerations) = self.output.accelerations() {
+                accelerations.gather(z);
+            }
+            if let Some(combinations) = self.output.combinations() {
+                combinations.gather(z);
+            }
         });
         self.output.read_gathered(loads, instants, q, v);
     }
@@ -89,13 +95,11 @@ impl Trajectory for StepTrajectory<'_, '_> {
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
         let Some(map) = self.output.accelerations() else { return Ok(()) };
-        each_state(self.step, self.sampler, instants, |_, z| map.gather(z));
         map.read_gathered(self.step.stepper.loads(), instants, a)
     }
 
     fn combinations(&mut self, instants: &[f64], values: &mut [f64]) -> Result<bool, Halt> {
         let Some(map) = self.output.combinations() else { return Ok(false) };
-        each_state(self.step, self.sampler, instants, |_, z| map.gather(z));
         map.read_gathered(self.step.stepper.loads(), instants, values)?;
         Ok(true)
     }

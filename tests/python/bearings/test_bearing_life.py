@@ -257,6 +257,35 @@ def test_inclined_contacts(given: LoadRating, thrust: float, dynamic: float, sta
     assert given.static_load(1e3, thrust) == pytest.approx(static)
 
 
+@pytest.mark.parametrize("reliability", [0.95, 0.96, 0.97, 0.98, 0.99, 0.995, 0.999, 0.9995])
+def test_reliability_is_that_of_a_distribution_of_weibull(reliability: float):
+    """Exponent 1.5 and a smallest life of 0.05 (ISO/TR 1281-2:2008); the table has two digits."""
+    ratio = math.log(reliability) / math.log(0.9)
+    expected = 0.95 * ratio ** (2.0 / 3.0) + 0.05
+    assert reliability_factor(reliability) == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("contact", "power", "means", "factors", "limit"),
+    [
+        ("ball", 1.5, (3.0, 10 / 3), (0.407, 0.389), 1.5e-3),
+        # Harris (2001) prints integrals that were evaluated with few digits
+        ("roller", 1.1, (4.0, 4.5), (0.378, 0.364), 4e-3),
+    ],
+)
+def test_factors_of_the_ratings_of_rings_are_integrals(contact, power, means, factors, limit):
+    """The load of a contact that has the mean effect, J_r/J₁ and J_r/J₂, with half of the circumference loaded."""
+    psi = np.linspace(-np.pi / 2, np.pi / 2, 20001)
+    load = np.cos(psi) ** power
+
+    def mean(values: np.ndarray) -> float:
+        return float(np.sum(values) * (psi[1] - psi[0]) / (2.0 * np.pi))
+
+    for factor, exponent in zip(factors, means, strict=True):
+        found = mean(load * np.cos(psi)) / mean(load**exponent) ** (1.0 / exponent)
+        assert found == pytest.approx(factor, rel=limit), contact
+
+
 def test_linear_bearing_that_stands_for_a_rolling_bearing():
     own = gb.Bearing("rotor", 0.0, stiffness=1e8, dynamic_rating=20e3, static_rating=10e3)
     found = carrying(own, 1000.0)

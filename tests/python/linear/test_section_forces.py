@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import pi
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_simpson
 
 import gearbow as gb
+from gearbow._types import Array
 from reference import machines
 
 E, RHO = 211e9, 7810.0
 G = 9.80665
 NAMES = ("axial force", "shear", "bending", "torque")
+#: Points and weights of a Gauss rule over the unit interval, exact for every shape of an element.
+POINTS, WEIGHTS = (
+    (1.0 + x) / 2.0 if i == 0 else x / 2.0 for i, x in enumerate(np.polynomial.legendre.leggauss(6))
+)
 
 
 def _disk(name: str, x: float, diameter: float) -> gb.Disk:
@@ -181,6 +188,130 @@ def test_forces_jump_by_what_acts_at_a_node(method: Any, speed: float) -> None:
         if end in bearings and end not in forced:
             assert last[:, 1:3] == pytest.approx(-run.bearing_force(end), rel=1e-8, abs=1e-6)
     assert checked >= 7
+
+
+class Pieces:
+    """Axial and lateral forces on the pieces of the shafts of the hostile machine in a run, shape (20, 3) [N]."""
+
+    def __init__(self, system: gb.RotorSystem, speed: float) -> None:
+        random = np.random.default_rng(8)
+        self.system, self.speed = system, speed
+        options: Any = {"rtol": 1e-7, "times": np.sort(random.uniform(1e-3, 9e-3, 20))}
+        nodes = system.simulate(1e-2, speed, record=["nodes"], **options)
+        self.ends: dict[str, list[float]] = {}
+        places = []
+        for shaft in system.shafts:
+            own = {x for name, x, _ in nodes._to_record().data["points"] if name == shaft.name}
+            # a cut anywhere, beside those at the nodes
+            ends = sorted({*own, random.uniform(0.0, shaft.length)})
+            self.ends[shaft.name] = ends
+            places += [(shaft.name, x) for x in ends]
+            places += [(shaft.name, a + (b - a) * x) for a, b in pairwise(ends) for x in POINTS]
+        record: Any = [*places, "acceleration", "bearings", "section_forces"]
+        self.run = system.simulate(1e-2, speed, record=record, **options)
+
+    def acceleration(self, shaft: str, x: float) -> Array:
+        lateral = self.run.acceleration((shaft, x))
+        return np.column_stack([self.run.axial_acceleration((shaft, x)), lateral])
+
+    def inertia(self, shaft: gb.Shaft, a: float, b: float) -> Array:
+        """Change of the momentum of a piece per unit time."""
+        area = pi / 4.0 * (shaft.outer_diameter**2 - shaft.inner_diameter**2)
+        mean = sum(
+            weight * self.acceleration(shaft.name, a + (b - a) * x)
+            for x, weight in zip(POINTS, WEIGHTS, strict=True)
+        )
+        return shaft.material.density * area * (b - a) * mean
+
+    def section(self, shaft: str, x: float, side: Any) -> Array:
+        """Forces of the part beyond a section on the part before it; none beyond the ends."""
+        if x == self.ends[shaft][0 if side == "before" else -1]:
+            return np.zeros((20, 3))
+        return self.run.section_forces((shaft, x), side).values[:, :3]
+
+    def bearings(self, shaft: str, x: float) -> Array:
+        """Forces of the bearings at a node."""
+        total = np.zeros((20, 3))
+        for bearing in self.system.bearings:
+            own = (bearing.shaft, bearing.position)
+            lateral = self.run.bearing_force(own)
+            along = self.run.axial_bearing_force(own) if bearing.axial_stiffness else np.zeros(20)
+            for place, sign in ((own, -1.0), (bearing.support, 1.0)):
+                if place is not None and place[0] == shaft and abs(place[1] - x) < 1e-9:
+                    total += sign * np.column_stack([along, lateral])
+        return total
+
+    def gear(self, gear: gb.Gear, x: float) -> Array:
+        """Change of the momentum of a gear per unit time, with its unbalance."""
+        ratios = zip((s.name for s in self.system.shafts), self.system.speed_ratios, strict=True)
+        spin = dict(ratios)[gear.shaft] * self.speed
+        diameter = gear.module * gear.teeth / np.cos(gear.helix_angle)
+        mass = 7850.0 * pi / 4.0 * diameter**2 * gear.face_width
+        turned = gear.unbalance * spin**2 * np.exp(1j * spin * self.run.time)
+        rotating = np.column_stack([np.zeros(20), turned.real, turned.imag])
+        return mass * self.acceleration(gear.shaft, x) - rotating
+
+
+@pytest.mark.parametrize("speed", [120.0, -120.0])
+def test_forces_of_both_sides_of_a_cut_balance(speed: float) -> None:
+    """Newton's law of every piece of the hostile machine at random instants of a run.
+
+    What remains at the gears of a mesh is opposite on both shafts.
+    """
+    system = machines.hostile()
+    pieces = Pieces(system, speed)
+    teeth: dict[str, Array] = {}
+    for shaft in system.shafts:
+        ends = pieces.ends[shaft.name]
+        size = max(np.abs(pieces.section(shaft.name, x, "before")).max() for x in ends)
+        for a, b in pairwise(ends):
+            before, beyond = (
+                pieces.section(shaft.name, x, side) for x, side in ((b, "before"), (a, "beyond"))
+            )
+            change = pieces.inertia(shaft, a, b)
+            assert np.abs(before - beyond - change).max() < 1e-9 * size
+        for x in ends:
+            jump = pieces.section(shaft.name, x, "beyond") - pieces.section(shaft.name, x, "before")
+            left = jump + pieces.bearings(shaft.name, x)
+            for gear in system.gears:
+                if gear.shaft == shaft.name and abs(gear.position - x) < 1e-9:
+                    left = teeth[gear.name] = pieces.gear(gear, x) - left
+                    break
+            else:
+                assert np.abs(left).max() < 1e-9 * size, (shaft.name, x)
+    largest = max(np.abs(force).max() for force in teeth.values())
+    # the idler meshes with two gears
+    for meshed in (("g1", "g2", "g3"), ("g4", "g5")):
+        total = sum(teeth[name] for name in meshed)
+        assert np.abs(total).max() < 1e-9 * largest, meshed
+
+
+def test_power_through_a_cut_changes_the_energy_beyond_it() -> None:
+    """Work of the section forces on an overhung disk is the change of its kinetic energy."""
+    disk = gb.Disk("disk", "rotor", 0.6, **machines.inertia(4.0, 0.0, 0.02))
+    shaft = gb.Shaft("rotor", length=0.6, outer_diameter=0.03, elements=2)
+    bearings = [gb.Bearing("rotor", x, stiffness=1e7, damping=2e3) for x in (0.0, 0.4)]
+    system = gb.RotorSystem(
+        [shaft],
+        disks=[disk],
+        bearings=bearings,
+        drives=[gb.Drive(("rotor", 0.0), stiffness=1e3, damping=1.0)],
+        forces=[gb.Force(("rotor", 0.4), 300.0 + 100j)],
+        torques=[gb.Torque(("rotor", 0.4), 20.0)],
+    )
+    record: Any = ["disk", "velocity", "section_forces"]
+    run = system.simulate(0.02, 90.0, initial="rest", rtol=1e-9, output_step=2e-6, record=record)
+    forces, velocity, rate = (
+        run.section_forces("disk"),
+        run.velocity("disk"),
+        run.twist_rate("disk"),
+    )
+    # without diametral inertia, the bending moment is the gyroscopic one, which does no work
+    power = -np.sum(forces.shear * velocity, axis=1) - forces.torque * rate
+    energy = 0.5 * 4.0 * np.sum(velocity**2, axis=1) + 0.5 * 0.02 * rate**2
+    work = cumulative_simpson(power, x=run.time, initial=0.0)
+    change = energy - energy[0]
+    assert np.abs(work - change).max() < 1e-5 * np.abs(change).max()
 
 
 def test_methods_agree_and_record_the_same_forces() -> None:

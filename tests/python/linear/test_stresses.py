@@ -246,5 +246,16 @@ def test_figure_and_table() -> None:
     found = _loaded().stresses(30.0, endurance_limit=2e8, tensile_strength=6e8)
     assert len(found.plot().axes) == 2
     assert len(_loaded().stresses(30.0).plot().axes) == 1
+
+
+def test_a_figure_of_many_shafts_is_as_wide_as_a_page() -> None:
+    # a report scales wider figures down until the numbers of neighbouring panels collide
+    found = machines.hostile().stresses(30.0, endurance_limit=2e8, tensile_strength=6e8)
+    figure = found.plot()
+    assert figure.get_figwidth() <= 12.0
+    assert len(figure.axes) == 8
+    assert [panel.get_title(loc="left") for panel in figure.axes[::2]] == [
+        *("input", "idler", "middle", "output")
+    ]
     assert "equivalent ±" in found.table()
     assert "utilisation" in found.to_dataframe().columns

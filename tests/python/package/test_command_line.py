@@ -271,6 +271,10 @@ def test_stresses(tmp_path: Path, capsys):
     for name in ("amplitude", "mean", "utilisation", "bending"):
         np.testing.assert_allclose(found[name], getattr(expected, name))
     assert (tmp_path / "stresses.png").stat().st_size > 1000
+    # the message of the method names the argument and the shaft
+    wrong = ["stresses", scene, "--speed", "100", "--endurance-limit", "-1"]
+    _, _, errors = called(capsys, *wrong)
+    assert errors.startswith("stresses: --endurance-limit of ")
     code, _, error = called(capsys, *given[:4], *strength[:2])
     assert code == 2
     assert "--tensile-strength" in error

@@ -35,6 +35,7 @@ from fleet_analyses import (
     quantity,
     turn,
 )
+from gearbow.accuracy import LEVELS
 from gearbow.cli.main import main
 from reference.figure_texts import check_texts
 from test_report import SECTION_NAMES, read_sections
@@ -506,13 +507,6 @@ def test_results_satisfy_their_equations(machine, analysis, sense):
     given.check(machine.system, speed, obtain(machine, analysis, sense))
 
 
-#: Residuals of (machine, analysis) that are larger than others.
-RESIDUAL_LIMITS = {
-    # its disturbances decay by a third in a period, so that the iteration ends within the tolerance of the accuracy, 1e-3
-    ("housed_pair", "steady"): 1e-3,
-}
-
-
 @pytest.mark.parametrize("analysis", RESIDUALS)
 def test_results_know_their_residual(machine, analysis):
     if not applies(machine, analysis):
@@ -520,9 +514,12 @@ def test_results_know_their_residual(machine, analysis):
     given = np.concatenate(
         [np.ravel(part) for part in RESIDUALS[analysis](obtain(machine, analysis))]
     )
-    # without a common period, a per cent of the motion may be transient
-    is_periodic = analysis != "steady" or obtain(machine, analysis).method != "quasi-periodic"
-    limit = RESIDUAL_LIMITS.get((machine.name, analysis), 1e-6 if is_periodic else 1e-2)
+    limit = 1e-6
+    if analysis == "steady":
+        # The iteration ends when the error of the state is below the tolerance of the runs. Without a common period, a per cent of
+        # the motion may be transient.
+        is_periodic = obtain(machine, analysis).method != "quasi-periodic"
+        limit = LEVELS[machine.system.accuracy].rtol if is_periodic else 1e-2
     assert np.all((given >= 0.0) & (given < limit))
 
 
