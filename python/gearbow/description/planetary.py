@@ -348,7 +348,9 @@ class PlanetaryStage(Part):
         """Give the parts that the stage adds."""
         self._check_kinds(path)
         names = [shaft.name for shaft in shafts]
-        turning = self._turning(names, {body.name: body for body in (*gears, *disks)}, path)
+        bodies: dict[str, Gear | Disk] = {gear.name: gear for gear in gears}
+        bodies |= {disk.name: disk for disk in disks}
+        turning = self._turning(names, bodies, path)
         bearings = self._bearings(path)
         if (turning is None) != bool(bearings):
             raise SceneError(
