@@ -130,7 +130,7 @@ class RingGear(Part):
                 + '"'
             )
         own = {name: getattr(self, name) for name in _SHARED}
-        return Gear(**own, shaft=self.support, internal=True)
+        return Gear(**own, shaft=str(self.support), internal=True)
 
 
 #: Fields that a ring gear has in common with a gear.

@@ -37,7 +37,7 @@ _REFUSED = {
 #: Components that are read, or that have no influence on a model of gearbow: strength, lubrication,
 #: tools, and flank modifications below the size of the teeth.
 _KNOWN = re.compile(
-    "planetary_stage|planet_carrier|side_plate|gear_unit|gear_casing|assembly_group|material|lubricant|shaft|shaft_section|cylindrical_gear|"
+    "gear_unit|gear_casing|assembly_group|material|lubricant|shaft|shaft_section|cylindrical_gear|"
     "ring_gear|"
     "cylindrical_stage|external_load|additional_mass|(?!radial_plain).*bearing.*|rolling_element|.*coupling|"
     ".*(_flank|_geometry|gear_data|_tool|_settings|_relief|_crowning|_slope|_deviation|_twist|"
@@ -174,7 +174,8 @@ def _read(
     joints = Joints(file, train.shafts, train.placed, description, train.notes, planets=planets)
     joints.add(*given)
     planets.add(description, train.shafts, train.placed, train.notes)
-    unknown = {each.kind for each in file.components.values() if not _KNOWN.fullmatch(each.kind)}
+    kinds = {each.kind for each in file.components.values()} - planets.kinds
+    unknown = {kind for kind in kinds if not _KNOWN.fullmatch(kind)}
     if unknown:
         train.notes.append(f"components of these types are left out: {', '.join(sorted(unknown))}")
     if number is not None and number > len(cases):

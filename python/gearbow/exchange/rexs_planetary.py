@@ -51,6 +51,8 @@ class Planets:
     def __init__(self, file: RexsFile) -> None:
         self._file = file
         self.stages = [each for each in file.components.values() if each.kind == "planetary_stage"]
+        #: Types of components of a file with stages that are read.
+        self.kinds = {"planetary_stage", "planet_carrier", "side_plate"} if self.stages else set()
         own = self._shafts("planet_carrier_shaft")
         carried = {
             refs["part"].id

@@ -249,8 +249,7 @@ class _Writer:
     def _mesh(self, mesh: dict[str, Any]) -> None:
         if "carrier" in mesh:
             raise SceneError(
-                f"{self._where}.carrier: REXS cannot hold a stage in torsion without pins; save the "
-                "system as .toml"
+                f"{self._where}.carrier: REXS cannot hold a carrier without pins; save it as .toml"
             )
         names = mesh.pop("driver"), mesh.pop("driven")
         first, second = (self._ids[f"cylindrical_gear {name}"] for name in names)
