@@ -180,7 +180,7 @@ def _lowest(curve: Array, slope: Array) -> Array:
 
 
 def mesh_teeth(motion: BowMotion) -> dict[tuple[str, str], _Teeth]:
-    """Give the teeth of every mesh."""
+    """Give the teeth of the meshes that a bow moves: none with a carrier that turns."""
     base = motion.variants.base
     gears = {gear.name: gear for gear in base.gears}
     gradients = base._model.mesh_gradients(motion.speed)
@@ -194,6 +194,7 @@ def mesh_teeth(motion: BowMotion) -> dict[tuple[str, str], _Teeth]:
         for mesh, geometry, gradient in zip(
             base.meshes, mesh_geometry(base.description), gradients, strict=True
         )
+        if mesh.carrier is None
     }
 
 
@@ -258,7 +259,12 @@ def added_check(
     """Give the check of a limit that the user adds."""
     if limit.kind in ("mesh_force", "contact_ratio"):
         motion.static.mesh(limit.at)  # an unknown mesh is an error that lists the known ones
-        own = teeth[limit.at] if limit.at in teeth else teeth[limit.at[::-1]]
+        own = teeth.get(limit.at) or teeth.get(limit.at[::-1])
+        if own is None:
+            raise SceneError(
+                f"limits: a bow does not move the mesh {'/'.join(limit.at)}, whose "
+                "carrier turns; give a mesh of gears on fixed axes"
+            )
         if limit.kind == "contact_ratio":
             return _ratio_check(own, float(limit.value))
         return _mesh_force(motion, limit, own)

@@ -130,7 +130,7 @@ class RingGear(Part):
                 + '"'
             )
         own = {name: getattr(self, name) for name in _SHARED}
-        return Gear(**own, shaft=self.support, internal=True)
+        return Gear(**own, shaft=str(self.support), internal=True)
 
 
 #: Fields that a ring gear has in common with a gear.
@@ -348,7 +348,9 @@ class PlanetaryStage(Part):
         """Give the parts that the stage adds."""
         self._check_kinds(path)
         names = [shaft.name for shaft in shafts]
-        turning = self._turning(names, {body.name: body for body in (*gears, *disks)}, path)
+        bodies: dict[str, Gear | Disk] = {gear.name: gear for gear in gears}
+        bodies |= {disk.name: disk for disk in disks}
+        turning = self._turning(names, bodies, path)
         bearings = self._bearings(path)
         if (turning is None) != bool(bearings):
             raise SceneError(

@@ -253,7 +253,8 @@ class Shaft(Part):
         Residual bow; None is a straight shaft.
     speed_ratio : float, optional
         Signed speed over that of the reference shaft, for a shaft that no mesh or coupling connects
-        to it: the other spool of a dual rotor.
+        to it: the other spool of a dual rotor. In a planetary stage whose carrier turns, 0 is a sun
+        or a ring at rest.
 
     Notes
     -----

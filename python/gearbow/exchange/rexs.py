@@ -24,11 +24,11 @@ from gearbow.exchange.rexs_file import (
     segment,
 )
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
+from gearbow.exchange.rexs_planetary import Planets, with_orbits
 from gearbow.units.speed import RevolutionsPerMinute
 
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {
-    "planetary_stage": "its planets turn with a carrier",
     "bevel_gear": "gearbow has spur and helical gears on parallel shafts",
     "worm_gear": "gearbow has spur and helical gears on parallel shafts",
     "worm_wheel": "gearbow has spur and helical gears on parallel shafts",
@@ -166,18 +166,22 @@ def _read(
         for component in file.components.values():
             if component.kind == kind:
                 raise component.error(f"gearbow cannot represent it: {reason}")
-    train = _Train(file)
+    planets = Planets(file)
+    train = _Train(file, planets)
     cases = file.load_cases or (file.components,)
     found = tuple(train.load_case(i, case) for i, case in enumerate(cases, start=1))
     description = train.description()
-    joints = Joints(file, train.shafts, train.placed, description, train.notes)
+    joints = Joints(file, train.shafts, train.placed, description, train.notes, planets=planets)
     joints.add(*given)
-    unknown = {each.kind for each in file.components.values() if not _KNOWN.fullmatch(each.kind)}
+    planets.add(description, train.shafts, train.placed, train.notes)
+    kinds = {each.kind for each in file.components.values()} - planets.kinds
+    unknown = {kind for kind in kinds if not _KNOWN.fullmatch(kind)}
     if unknown:
         train.notes.append(f"components of these types are left out: {', '.join(sorted(unknown))}")
     if number is not None and number > len(cases):
         raise SceneError(f"load_case: must be 1 to {len(cases)} for {file.path}, got {number}")
     train.add_loads(description, cases[(number or 1) - 1])
+    planets.leave_bending_out(description, train.notes)
     reference = train.placed[train.reference.id].name
     contents = RexsContents(
         *(file.application, file.version, reference, found),
@@ -205,7 +209,7 @@ def read_system(
             f'{path}: does not contain, give it for example with {argument}={{"{name}": 1e8}}: '
             f"{missing}"
         )
-    return description, contents
+    return with_orbits(description), contents
 
 
 def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
@@ -262,7 +266,7 @@ def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
 class _Train:
     """Shafts, gears, meshes and loads of a file as a plain description."""
 
-    def __init__(self, file: RexsFile) -> None:
+    def __init__(self, file: RexsFile, planets: Planets) -> None:
         self._file = file
         self.notes: list[str] = []
         self._names: set[str] = set()
@@ -274,7 +278,7 @@ class _Train:
             for refs in parts
             if {"part", "assembly"} <= refs.keys() and refs["assembly"].kind == "shaft"
         }
-        shafts = self._of_kind("shaft")
+        shafts = [each for each in self._of_kind("shaft") if each.id not in planets.left_out]
         if not shafts:
             raise file.error("has no shaft")
         self.reference = self._reference(shafts)

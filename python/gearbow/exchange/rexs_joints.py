@@ -20,6 +20,7 @@ from gearbow._types import Plain
 from gearbow.description.rolling import RollingBearing, RollingEstimate
 from gearbow.errors import SceneError
 from gearbow.exchange.rexs_file import Component, PlacedShaft, RexsFile, Shafts
+from gearbow.exchange.rexs_planetary import Planets
 
 #: Kinds of gearbow by the `bearing_type` of REXS.
 _KINDS = {
@@ -215,12 +216,15 @@ class Joints:
         placed: Mapping[int, PlacedShaft],
         description: dict[str, Any],
         notes: list[str],
+        *,
+        planets: Planets,
     ) -> None:
         self._file = file
         self._shafts = shafts
         self._placed = placed
         self._description = description
         self._notes = notes
+        self._planets = planets
         self.missing: list[MissingValue] = []
         #: What each bearing becomes.
         self.becomes: dict[str, str] = {}
@@ -228,8 +232,10 @@ class Joints:
 
     def add(self, bearings: Mapping[str, object], couplings: Mapping[str, object]) -> None:
         """Add all of them, with the values that are given by name."""
-        joints = self._found()
+        joints = [each for each in self._found() if not self._planets.take(*_ends(each))]
         of_bearings = [each for each in joints if "bearing" in each.component.kind]
+        if self._planets.stages:  # torsion has no bearings
+            of_bearings = []
         of_couplings = [each for each in joints if each.component.kind in _COUPLINGS]
         given = self._by_name(bearings, "bearings", of_bearings)
         for joint in of_bearings:
@@ -533,6 +539,10 @@ class Joints:
         place = f'on "{placed.name}" at {1e3 * position:g} mm'
         part = ", ".join(text for text in (designation, kind, size, place) if text)
         self.missing.append(MissingValue(argument, joint.name, part, *missing))
+
+
+def _ends(joint: _Joint) -> tuple[Component, Component, Component]:
+    return joint.component, joint.inner, joint.outer
 
 
 def _has_law(values: Mapping[str, Plain]) -> bool:

@@ -247,6 +247,10 @@ class _Writer:
             self._number(component, f"moment_of_inertia_{axis}_axis", inertia, "kg m^2")
 
     def _mesh(self, mesh: dict[str, Any]) -> None:
+        if "carrier" in mesh:
+            raise SceneError(
+                f"{self._where}.carrier: REXS cannot hold a carrier without pins; save it as .toml"
+            )
         names = mesh.pop("driver"), mesh.pop("driven")
         first, second = (self._ids[f"cylindrical_gear {name}"] for name in names)
         component = self._component("cylindrical_stage", "–".join(names))

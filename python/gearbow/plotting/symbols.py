@@ -238,8 +238,8 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
                 upwards = y if abs(y) > 1e-9 * abs(z) else z
                 found.append((other, float(np.copysign(np.hypot(y, z), upwards))))
     places = {body.name: (body.shaft, body.position) for body in train.layout.bodies}
-    lists = (train.parts[key] for key in ("couplings", "bearings", "meshes"))
-    for pair in coaxial(*lists, gears, places):
+    parts = train.parts
+    for pair in coaxial(parts["couplings"], parts["bearings"], parts["meshes"], gears, places):
         ends = [shaft for shaft, _ in pair]
         found += [(other, 0.0) for own, other in (ends, ends[::-1]) if own == known]
     return found

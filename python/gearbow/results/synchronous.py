@@ -351,8 +351,9 @@ class Synchronous(HarmonicResponse):
     def _places(self) -> list[At]:
         """Give the gears and disks, or the place of each shaft with the largest orbit."""
         nodes = [(name, x) for name, x, kind in nodal(self.coordinates.dofs) if kind == "v"]
+        bending = {name for name, _ in nodes} & set(self.shafts)
         bodies = self.coordinates.bodies.items()
-        named: list[At] = [name for name, (shaft, _) in bodies if shaft in self.shafts and nodes]
+        named: list[At] = [name for name, (shaft, _) in bodies if shaft in bending]
         if named:
             return named
         by_shaft = ([node for node in nodes if node[0] == shaft] for shaft in self.shafts)

@@ -586,8 +586,8 @@ def a_second_material(plain: dict[str, Any]) -> None:
     ("change", "message"),
     [
         (
-            lambda p: component(p, "wheel 2").update(type="planetary_stage", name="planets"),
-            'planetary_stage "planets": gearbow cannot represent it: its planets turn with a carrier',
+            lambda p: component(p, "wheel 2").update(type="worm_wheel", name="worm wheel"),
+            'worm_wheel "worm wheel": gearbow cannot represent it: gearbow has spur and helical gears',
         ),
         (
             lambda p: put(p, "62", "length", 79),

@@ -24,6 +24,7 @@ REFUSED = {
     "overhung_rotor": r"bearings\[0\].support: REXS has bearings",
     "star_gear": "housings: REXS cannot hold",
     "tapered_reducer": "housings: REXS cannot hold",
+    "wind_turbine": r"meshes\[0\].carrier: REXS cannot hold",
     "turbine_rotor": r"bearings\[0\].support: REXS has bearings",
 }
 #: Lowest modes that are compared.

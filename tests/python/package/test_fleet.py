@@ -88,7 +88,10 @@ def of_run(
 
 def shown(system: gb.RotorSystem) -> list[str]:
     """Bodies in the figures of machines with many."""
-    return places(system)[:6]
+    bending = {name for name, _, kind in system.dofs if kind == "v"} or {
+        s.name for s in system.shafts
+    }
+    return [at for at in places(system) if system.coordinates.shaft(at) in bending][:6]
 
 
 def labels_of_bodies(system: gb.RotorSystem) -> list[str]:

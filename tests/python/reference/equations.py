@@ -177,7 +177,7 @@ def rotating_force(system: gb.RotorSystem, shaft: gb.Shaft, spin: float) -> Comp
     force = np.zeros(len(system.dofs), dtype=complex)
     force[alone.at] = alone.bow_force()
     for body in (*system.disks, *system.gears):
-        if body.shaft == shaft.name:
+        if body.shaft == shaft.name and body.unbalance:
             v, w = system.coordinates.lateral(body.name)
             force[v] += spin**2 * body.unbalance
             force[w] -= 1j * spin**2 * body.unbalance
@@ -202,6 +202,7 @@ class Balance:
         self.system, self.motion, self.rows = system, motion, rows
         self.kinds = {kind for _, _, kind in system.dofs}
         self.ratio = dict(zip((s.name for s in system.shafts), system.speed_ratios, strict=True))
+        self.bending = {name for name, _, kind in system.dofs if kind == "v"}
         self.terms: dict[str, list[Array]] = {}
         self._weights()
         self._torques()
@@ -216,7 +217,8 @@ class Balance:
         rows = np.array(self.terms[body])
         load = np.array([*3 * [np.abs(rows[:, :3]).sum()], np.abs(rows[:, 3]).sum()])
         shares = np.abs(rows.sum(axis=0)) / np.where(load > 0.0, load, 1.0)
-        return float(shares[0 if "v" in self.kinds else 3 :].max())
+        only_twists = body not in self.bending and body in self.ratio
+        return float(shares[3 if only_twists else 0 :].max())
 
     def _add(self, body: str, y=0.0, z=0.0, x=0.0, torque=0.0) -> None:
         row = [float(np.mean(value)) for value in (y, z, x, torque)]
@@ -285,7 +287,7 @@ class Balance:
 
     def _tilt(self, gear: gb.Gear) -> Array:
         """Slopes of a gear along y and z; they are neglected in a run, which does not record them."""
-        if not isinstance(self.motion, gb.results.Static) or "B" not in self.kinds:
+        if not isinstance(self.motion, gb.results.Static) or gear.shaft not in self.bending:
             return np.zeros(2)
         at = {dof: i for i, dof in enumerate(self.system.dofs)}
         b, g = (self.motion.state[at[gear.shaft, gear.position, kind]] for kind in "BG")
