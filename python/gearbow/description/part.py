@@ -77,7 +77,8 @@ def _kinds(part: type[Part]) -> dict[str, tuple[Any, ...]]:
 def _members(union: Any) -> tuple[Any, ...]:
     """Give the members of a union; `ArrayLike`, which is itself a union, counts as one member."""
     members, arrays = get_args(union), get_args(ArrayLike)
-    if set(arrays) <= set(members):
+    # From NumPy 2.5 on, `ArrayLike` is a name of its own, which is a member as it is.
+    if arrays and set(arrays) <= set(members):
         return (ArrayLike, *(member for member in members if member not in arrays))
     return members
 

@@ -67,7 +67,7 @@ def write_fmu(system: "System", face: Interface, path: Path) -> None:
     contents = (pickle.dumps(system), face, outputs)
     name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
     name = name if name[:1].isalpha() else f"train_{name}"
-    with tempfile.TemporaryDirectory() as folder:
+    with replacing(path) as file, tempfile.TemporaryDirectory() as folder:
         # Python has one module of a name, but may load several units.
         script = Path(folder, f"train_{uuid4().hex}.py")
         script.write_text(_SCRIPT.format(name=name), encoding="utf-8")
@@ -80,8 +80,7 @@ def write_fmu(system: "System", face: Interface, path: Path) -> None:
             canGetAndSetFMUState=True,
             canSerializeFMUState=True,
         )
-        with replacing(path) as file:
-            file.write(Path(made).read_bytes())
+        file.write(Path(made).read_bytes())
 
 
 def names_of(labels: Sequence[str]) -> list[str]:

@@ -362,6 +362,7 @@ def test_every_reader_is_tested():
         *(name for name in found if name.startswith(("_files.", "cli.", "plotting."))),
         *(f"recording.container.{name}" for name in ("header", "read")),  # of `opened`
         "exchange.rexs_file._unzipped",  # of bytes
+        *(f"exchange.fmu.{name}" for name in ("__init__", "write_fmu")),  # of a unit, which is code
         "system.read.format_of",  # only tells formats apart
         "machines.examples._read",  # a file of the package
         "_sheets._write_sheet",  # opens a member of an archive that it writes

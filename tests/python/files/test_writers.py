@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -117,6 +118,9 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     "cli.main.save_figure": {"modes.svg": drawing, "modes.png": drawing},
     "cli.answers.import_": {"train.toml": imported},
     "exchange.rexs_writer.write_rexs": {"train.rexs": lambda path: rotor().save(path)},
+    "exchange.fmu.write_fmu": {"unit.fmu": lambda path: rotor().to_fmu(path, 100.0)}
+    if find_spec("pythonfmu3")
+    else {},
     "cli.answers.new": {},  # it replaces no file
 }
 
@@ -125,9 +129,10 @@ def test_every_writer_is_tested():
     """Files are opened for writing by `replacing` only."""
     assert functions_with("replacing") == set(WRITERS)
     writing = functions_with("write_bytes", "write_text", "to_csv", "to_excel", "savemat", "savez")
-    # A table as a text, and two that write to an open file.
+    # A table as a text, files in a temporary folder, and two that write to an open file.
     assert writing == {
         "_sheets._csv",
+        "exchange.fmu.write_fmu",
         "exchange.harmonic.write_mat",
         "recording.file.save",
     }

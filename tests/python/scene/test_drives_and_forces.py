@@ -371,3 +371,13 @@ def test_a_time_series_has_one_value_for_each_time():
             gb.TimeSeries([0.0, 1.0], values)
     # pairs are complex numbers
     assert gb.TimeSeries([0.0, 1.0], [[1.0, 2.0], [3.0, 4.0]]).values == (1.0 + 2.0j, 3.0 + 4.0j)
+
+
+def test_a_place_is_a_text_with_any_numpy(monkeypatch):
+    # From NumPy 2.5 on, ArrayLike is no union, so that it has no members.
+    from gearbow.description import part
+
+    part._kinds.cache_clear()
+    monkeypatch.setattr(part, "ArrayLike", type("ArrayLike", (), {}))
+    assert gb.Drive("g1", 1e5)._describe("drive") == {"at": "g1", "stiffness": 1e5}
+    part._kinds.cache_clear()
