@@ -78,6 +78,7 @@ random: $(VENV)/.dev
 		tests/python/bearings/test_equilibrium_residuals.py tests/python/package/test_examples.py \
 		tests/python/linear/test_random_excitations.py
 	GEARBOW_CASES=5 $(BIN)/python -m pytest tests/python/identification -k "truth or predicted"
+	GEARBOW_CASES=10 $(BIN)/python -m pytest tests/python/bearings/test_films.py -k random
 	$(BIN)/python -m pytest tests/python/package/test_fleet.py -m slow
 
 fuzz: $(VENV)/.dev

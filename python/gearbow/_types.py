@@ -253,6 +253,16 @@ class FilmData(TypedDict):
     displacement: list[float]
     stiffness: Array
     damping: Array
+    pads: list["PadData"]
+
+
+class PadData(TypedDict):
+    """Film of one pad along the middle of its length: angles, thickness and pressure."""
+
+    angles: Array
+    thickness: Array
+    pressure: Array
+    pivot: float | None
 
 
 class MeshGeometry(TypedDict):

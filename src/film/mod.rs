@@ -32,6 +32,7 @@ mod store;
 mod table;
 mod tilting;
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 pub use equilibrium::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
@@ -111,6 +112,40 @@ impl FilmPad {
         }
     }
 
+    /// The film at rest for a journal at a displacement, m, at a spin, rad/s, with radius and length, m.
+    fn along_middle(&self, displacement: Vector, spin: f64, [radius, length]: [f64; 2], pivot: Option<f64>) -> PadFilm {
+        let u = self.displacement(displacement);
+        let (along, rate) = direction([u[1] * spin / 2.0, -u[0] * spin / 2.0]);
+        let gap = |angle: f64| 1.0 - u[0] * angle.cos() - u[1] * angle.sin();
+        let beta = along[1].atan2(along[0]);
+        let [angles, pressure] = match &self.law {
+            Law::Short => {
+                let angles: Vec<f64> =
+                    (0..SHORT_FILM_ANGLES).map(|i| TAU * i as f64 / (SHORT_FILM_ANGLES - 1) as f64).collect();
+                let square = (length / (2.0 * radius)).powi(2);
+                let at = |angle: &f64| (angle - beta).cos().max(0.0) * square / (2.0 * gap(*angle).powi(3));
+                let pressure = angles.iter().map(at).collect();
+                [angles, pressure]
+            }
+            Law::Finite(table) => {
+                let mut solver = Reynolds::new(table.shape());
+                let (sin, cos) = self.middle.sin_cos();
+                // A pad that carries nothing may lie beyond the journal.
+                let place = if self.nearness(displacement) < 1.0 { u } else { [0.0; 2] };
+                solver.force([cos * place[0] + sin * place[1], cos * place[1] - sin * place[0]], beta - self.middle);
+                let [angles, pressure] = solver.middle_line();
+                [angles.iter().map(|angle| angle + self.middle).collect(), pressure]
+            }
+        };
+        let scale = 12.0 * self.scale * radius / length.powi(3) * rate;
+        PadFilm {
+            thickness: angles.iter().map(|angle| self.clearance * gap(*angle)).collect(),
+            pressure: pressure.iter().map(|value| scale * value).collect(),
+            angles,
+            pivot,
+        }
+    }
+
     /// Whether its film is closest before its middle in the direction of a spin, so that most of it widens along the rotation.
     fn widens(&self, spin: f64) -> bool {
         let (sin, cos) = self.middle.sin_cos();
@@ -164,6 +199,39 @@ impl FilmPad {
             sum.damping[i][1] += rate * dw[i][1];
         }
     }
+}
+
+/// The film of a pad at rest, along the middle of its length.
+#[derive(Clone, Debug)]
+pub struct PadFilm {
+    /// Angles from y towards z, rad.
+    pub angles: Vec<f64>,
+    /// Thickness of the film there, m.
+    pub thickness: Vec<f64>,
+    /// Pressure there, Pa.
+    pub pressure: Vec<f64>,
+    /// Angle of the pivot of a tilting pad, rad.
+    pub pivot: Option<f64>,
+}
+
+/// Number of angles at which a short film is given.
+const SHORT_FILM_ANGLES: usize = 181;
+
+/// The films of the pads of a checked bearing at rest at a displacement of the journal, m, at a spin, rad/s.
+pub fn pad_films(journal: &Journal, displacement: Vector, spin: f64) -> Vec<PadFilm> {
+    let at = |(number, given): (usize, &Pad)| {
+        let (pad, place, pivot) = match &journal.tilting {
+            Some(_) => {
+                let pad = journal.tilting_pad(given, spin);
+                let film = FilmPad::new(journal, &pad, spin);
+                let place = TiltingPads::new(journal, spin).map(|pads| pads.relative(number, displacement, spin));
+                (film, place.unwrap_or(displacement), Some(pad.closest(spin)))
+            }
+            None => (FilmPad::new(journal, given, spin), displacement, None),
+        };
+        pad.along_middle(place, spin, [journal.diameter / 2.0, given.length], pivot)
+    };
+    journal.pads.iter().enumerate().map(at).collect()
 }
 
 /// The oil film of a journal bearing.
@@ -280,7 +348,6 @@ fn direction(w: Vector) -> (Vector, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
 
     use crate::scene::Rupture;
 

@@ -84,6 +84,15 @@ impl Reynolds {
     }
 }
 
+impl Reynolds {
+    /// Angles of the nodes of the last force, rad, and the pressure P in the middle of the length there.
+    pub fn middle_line(&self) -> [Vec<f64>; 2] {
+        let inner = self.grid.pressure.iter().step_by(AXIAL_INTERVALS).copied();
+        let pressure = std::iter::once(0.0).chain(inner).chain(std::iter::once(0.0));
+        [self.grid.angles.clone(), pressure.collect()]
+    }
+}
+
 impl Grid {
     /// Places the nodes of a pad; their density is that of the pressure curvature, H^{−1/2}.
     fn place(&mut self, [begin, end]: [f64; 2], u: Vector) {

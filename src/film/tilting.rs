@@ -51,6 +51,8 @@ struct TiltingPad {
 /// The film of a pad at rest.
 struct AtRest {
     film: BearingForce,
+    /// Displacement of the journal relative to the pad, m.
+    displacement: Vector,
     is_loaded: bool,
 }
 
@@ -96,12 +98,17 @@ impl TiltingPads {
         self.pads.iter().map(at).fold(0.0, larger)
     }
 
+    /// Displacement of the journal relative to a pad at rest, m, for a displacement, m, and a spin, rad/s.
+    pub fn relative(&self, pad: usize, displacement: Vector, spin: f64) -> Vector {
+        self.pads[pad].at_rest(displacement, spin).displacement
+    }
+
     /// Force, stiffness and damping at a displacement, m, at rest at a spin of the shaft, rad/s, with the coefficients for
     /// vibrations of a frequency, rad/s; the damping at the frequency 0 is its limit.
     pub fn at(&self, displacement: Vector, spin: f64, frequency: f64) -> BearingForce {
         let mut sum = BearingForce::default();
         for pad in &self.pads {
-            let AtRest { film, is_loaded } = pad.at_rest(displacement, spin);
+            let AtRest { film, is_loaded, .. } = pad.at_rest(displacement, spin);
             if !is_loaded {
                 continue;
             }
@@ -212,7 +219,8 @@ impl TiltingPad {
                 break;
             }
         }
-        AtRest { is_loaded: slope(&found) > least, film: found.film }
+        let displacement = [along * y + b * across[0], along * z + b * across[1]];
+        AtRest { is_loaded: slope(&found) > least, displacement, film: found.film }
     }
 
     /// Stiffness, N/m, and damping, N s/m, for vibrations of a frequency, rad/s, with a rigid pivot.

@@ -1,5 +1,6 @@
 //! Coefficients of one journal bearing or rolling bearing.
 
+use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::Depythonizer;
@@ -8,7 +9,7 @@ use super::convert::table;
 use super::errors::caught;
 use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
-use crate::film::{Film, TiltingPads};
+use crate::film::{Film, PadFilm, TiltingPads, pad_films};
 use crate::rolling::{Ring, RollingElements};
 use crate::scene::description::{BearingCoefficient, Support};
 use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError, Squeeze, outside_frequencies};
@@ -68,7 +69,18 @@ pub fn film_coefficients<'py>(
         None => Film::new(&journal, speed).carrying(load, speed),
     };
     let (displacement, film) = py.detach(|| caught(carried))?.map_err(|cause| uncarried(cause, load, Some(speed)))?;
-    coefficients(py, displacement, &film)
+    let dict = coefficients(py, displacement, &film)?;
+    let films = py.detach(|| caught(|| pad_films(&journal, displacement, speed)))?;
+    let pad = |film: PadFilm| {
+        let pad = PyDict::new(py);
+        pad.set_item("angles", film.angles.into_pyarray(py))?;
+        pad.set_item("thickness", film.thickness.into_pyarray(py))?;
+        pad.set_item("pressure", film.pressure.into_pyarray(py))?;
+        pad.set_item("pivot", film.pivot)?;
+        Ok(pad)
+    };
+    dict.set_item("pads", films.into_iter().map(pad).collect::<PyResult<Vec<_>>>()?)?;
+    Ok(dict)
 }
 
 /// Computes the force over (y, z), N, of a ring on its squeeze film at a displacement, m, and a velocity, m/s.

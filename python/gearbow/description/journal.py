@@ -3,17 +3,55 @@
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import number
 from gearbow._core import film_coefficients, squeeze_force
+from gearbow._extras import extra
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, FilmModel, Plain, Profile, Reduction, Rupture
 from gearbow.description.part import Part, freeze
 from gearbow.description.places import Base, Support, with_support
 from gearbow.errors import SceneError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class PadFilm(ReadOnly):
+    """Film of one pad at an equilibrium, along the middle of its length.
+
+    Parameters
+    ----------
+    angles : ndarray, shape (n,)
+        Angles of the points, from y towards z [rad].
+    thickness : ndarray, shape (n,)
+        Thickness of the film [m].
+    pressure : ndarray, shape (n,)
+        Pressure above that of the surroundings [Pa].
+    pivot : float or None
+        Angle of the pivot of a tilting pad [rad].
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> bearing = gb.JournalBearing(
+    ...     "s", 0.0, diameter=0.1, length=0.05, clearance=1e-4, viscosity=0.02, profile="lemon"
+    ... )
+    >>> for pad in bearing.coefficients(load=5000.0, speed=300.0).pads:
+    ...     print(f"{1e6 * pad.thickness.min():.0f} µm, {1e-6 * pad.pressure.max():.2f} MPa")
+    45 µm, 0.74 MPa
+    33 µm, 3.30 MPa
+    """
+
+    angles: Array
+    thickness: Array
+    pressure: Array
+    pivot: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +70,10 @@ class FilmCoefficients(ReadOnly):
         Angle from the load to the displacement, in the sense of the rotation [rad].
     sommerfeld : float
         Sommerfeld number S = μNLD/W (R/c)² with the speed N in turns per second.
+    pads : tuple of PadFilm
+        Film of each pad.
+    clearance : float
+        Radial clearance of the bearing or, with preload, of a pad [m].
 
     Examples
     --------
@@ -48,6 +90,44 @@ class FilmCoefficients(ReadOnly):
     eccentricity_ratio: float
     attitude_angle: float
     sommerfeld: float
+    pads: tuple[PadFilm, ...]
+    clearance: float
+
+    def plot(self, *, ax: Any = None) -> "Figure":
+        """Draw pads, journal and pressure across the shaft, and the film over the angle.
+
+        Gaps are enlarged: the radius of the journal is four clearances.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes or sequence of Axes, optional
+            Panels of your own: across the shaft, thickness, pressure. None makes a figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is missing.
+        GearbowError
+            If `ax` has another number of panels.
+
+        Examples
+        --------
+        >>> import gearbow as gb
+        >>> bearing = gb.JournalBearing(
+        ...     "s", 0.0, diameter=0.1, length=0.05, clearance=1e-4, viscosity=0.02, profile="lemon"
+        ... )
+        >>> figure = bearing.coefficients(load=5000.0, speed=300.0).plot()
+        """
+        with extra("plot"):
+            from gearbow.plotting import film  # noqa: PLC0415
+        place = self.eccentricity_ratio * self.clearance
+        y, z = place * np.sin(self.attitude_angle), -place * np.cos(self.attitude_angle)
+        return film.film(self.pads, (float(y), float(z)), self.clearance, ax=ax)
 
 
 def _coefficients(
@@ -70,6 +150,8 @@ def _coefficients(
         eccentricity_ratio=float(np.hypot(y, z) / plain.clearance),
         attitude_angle=float(np.arctan2(y, -z)),
         sommerfeld=float(bearing_number * (plain.diameter / (2.0 * plain.clearance)) ** 2),
+        pads=tuple(PadFilm(**pad) for pad in found["pads"]),
+        clearance=float(plain.clearance),
     )
 
 

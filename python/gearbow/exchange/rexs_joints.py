@@ -17,6 +17,7 @@ from gearbow._convert import number, shown
 from gearbow._lookup import nearest
 from gearbow._shown import Shown
 from gearbow._types import Plain
+from gearbow.description.journal import Pad
 from gearbow.description.rolling import RollingBearing, RollingEstimate
 from gearbow.errors import SceneError
 from gearbow.exchange.rexs_file import Component, PlacedShaft, RexsFile, Shafts
@@ -389,7 +390,15 @@ class Joints:
         for key in ("shaft", "position", "support"):
             if key in given:
                 raise SceneError(f"{path}: the file has its {key}; leave it out")
-        return dict(given)
+        found = dict(given)
+        if found.get("pads") is not None:
+            found["pads"] = [
+                {key: value for key, value in vars(each).items() if value is not None}
+                if isinstance(each, Pad)
+                else each
+                for each in found["pads"]
+            ]
+        return found
 
     def _carried(self, component: Component) -> tuple[str, ...]:
         """Give the stiffnesses of the directions in which the file says that a bearing carries."""
@@ -554,7 +563,8 @@ def _described(bearing: Mapping[str, Plain]) -> str:
     """Describe a bearing in a few words."""
     between = f', on "{support[0]}"' if isinstance(support := bearing.get("support"), list) else ""
     if "viscosity" in bearing:
-        return f"JournalBearing{between}"
+        kind = "TiltingPadBearing" if "pad_count" in bearing else "JournalBearing"
+        return f"{kind}{between}"
     if not {"elements", *_CATALOGUED} & bearing.keys():
         stiffness = bearing["stiffness"]
         text = f"{stiffness:g} N/m" if isinstance(stiffness, (int, float)) else "given stiffness"

@@ -59,6 +59,16 @@ _SAVE_GEARS = (
 _MASS_ONLY = 1e-6
 #: Version of ROSS from which `speed` is the axis of a table over the speed of the rotor.
 _WITH_SPEED = 3
+#: Bearings that versions of ROSS save with geometry and oil, from which they compute coefficients;
+#: others save the coefficients as a BearingElement.
+_OIL_FILMS = (
+    *("PlainJournal", "TiltingPad", "SqueezeFilmDamper", "CylindricalBearing", "BearingFluidFlow"),
+    *("EllipticalBearing", "OffsetHalvesBearing", "MultiLobeBearing", "PressureDamBearing"),
+)
+_COEFFICIENTS = (
+    "save the rotor with rs.BearingElement(n, kxx=bearing.kxx, ..., frequency=bearing.frequency), "
+    "or give gearbow the film: gb.JournalBearing, gb.TiltingPadBearing, gb.SqueezeFilm"
+)
 
 
 @dataclass
@@ -294,7 +304,8 @@ def _read(path: str | os.PathLike[str]) -> _File:
         kind = next((known for known in _KINDS if kind.startswith(known)), kind)
         if kind not in _KINDS:
             if "kxx" not in element:
-                raise file.error(name, f"gearbow cannot represent a {kind}")
+                remedy = f"; {_COEFFICIENTS}" if kind in _OIL_FILMS else ""
+                raise file.error(name, f"gearbow cannot represent a {kind}{remedy}")
             kind = "bearing"
         file.elements.setdefault(kind, []).append((name, _complete(kind, element)))
     if not file.all("ShaftElement"):

@@ -17,7 +17,7 @@ from importlib import import_module as _import_module
 #: each other's results.
 _NAMES = {
     "gearbow.analysis.balance": ("Balance",),
-    "gearbow.description.journal": ("FilmCoefficients", "SqueezeCoefficients"),
+    "gearbow.description.journal": ("FilmCoefficients", "PadFilm", "SqueezeCoefficients"),
     "gearbow.description.layout": ("Order",),
     "gearbow.description.rolling": ("RingCoefficients", "RollingCoefficients", "RollingEstimate"),
     "gearbow.identification.correction": ("Correction", "TrialInfluence"),
@@ -70,6 +70,7 @@ if _typing.TYPE_CHECKING:
     from gearbow.analysis.balance import Balance as Balance
     from gearbow.description.journal import (
         FilmCoefficients as FilmCoefficients,
+        PadFilm as PadFilm,
         SqueezeCoefficients as SqueezeCoefficients,
     )
     from gearbow.description.layout import Order as Order

@@ -17,6 +17,11 @@ SPEED = 300.0
 PLACES = (0.1, 0.7)
 
 
+def integral(values: np.ndarray, x: np.ndarray) -> Any:
+    """Integrate along the last axis by the trapezoidal rule."""
+    return ((values[..., 1:] + values[..., :-1]) / 2.0 * np.diff(x)).sum(axis=-1)
+
+
 def on(bearings: list[Any]) -> gb.RotorSystem:
     shaft = gb.Shaft("s", length=0.8, outer_diameter=0.06, elements=2, bow=gb.Bow.half_sine(2e-6))
     disk = gb.Disk("d", "s", 0.45, 15.0, 0.1, 0.2, unbalance=1e-5)
@@ -186,3 +191,40 @@ def test_bow_and_unbalance_are_identified(kind: str):
     found = gb.identify(straight, measured, wanted, runout=False, noise=1e-9)
     # the second half sine is zero
     np.testing.assert_allclose(found.values, [2e-6, 1e-5][: len(found.values)], rtol=1e-6)
+
+
+def test_the_pressure_of_the_pads_carries_the_load():
+    # integrated over the pad with the pressure along the length of a short film, a parabola
+    size = {**SIZE, "length": 0.006}
+    load = 20.0
+    for bearing in (
+        gb.JournalBearing("s", 0.0, **size),
+        gb.JournalBearing("s", 0.0, **size, profile="lemon"),
+        gb.TiltingPadBearing("s", 0.0, **size, pad_count=5, preload=0.3),
+        gb.TiltingPadBearing(
+            "s", 0.0, **size, pad_count=4, preload=0.5, pivot_stiffness=1e8, pad_mass=0.1
+        ),
+    ):
+        found = bearing.coefficients(load, SPEED)
+        force = np.zeros(2)
+        for pad in found.pads:
+            direction = np.array([np.cos(pad.angles), np.sin(pad.angles)])
+            line = 2.0 / 3.0 * size["length"] * size["diameter"] / 2.0 * pad.pressure
+            force += integral(line * direction, pad.angles)
+            assert pad.thickness[pad.pressure > 0.0].min() > 0.0
+            assert pad.pressure.max() > 0.0 or pad.pivot is not None
+        # the pressure of the ends of a pad is no parabola
+        np.testing.assert_allclose(force, [0.0, -load], atol=0.06 * load, err_msg=str(bearing))
+
+
+def test_a_pressure_falls_off_at_the_ends_of_its_pad_and_peaks_near_its_pivot():
+    found = gb.TiltingPadBearing("s", 0.0, **PADS).coefficients(2000.0, SPEED)
+    assert [round(pad.pivot, 6) for pad in found.pads] == [
+        round(-0.3 * np.pi + 0.4 * np.pi * i, 6) for i in range(5)
+    ]
+    for pad in found.pads:
+        assert pad.pressure[0] == pad.pressure[-1] == 0.0
+        # without friction, the resultant passes through the pivot
+        moment = integral(pad.pressure * np.sin(pad.angles - pad.pivot), pad.angles)
+        # the pressure of the middle has its moment elsewhere than that of the ends
+        assert abs(moment) < 0.02 * integral(pad.pressure, pad.angles)

@@ -43,6 +43,9 @@ def results() -> dict:
         "measurement": measured,
         "identification": gb.identify(system, measured, [gb.unknown.bow("input")], runout=False),
         "bearing life": rated(system).bearing_life(10.0, factor=2.0),
+        "film": gb.TiltingPadBearing(
+            "s", 0.0, diameter=0.1, length=0.05, clearance=1e-4, viscosity=0.02, pad_count=5
+        ).coefficients(3000.0, 300.0),
         "bow limits": system.bow_limits("input", [10.0, 20.0]),
         "thermal stability": (thermal := system.thermal_bow(HOT, [10.0, 20.0])),
         "thermal spiral": thermal.spiral(10.0, 5.0),
@@ -86,6 +89,7 @@ FIGURES = {
     "identification": (5, lambda r, ax: r["identification"].plot(ax=ax)),
     "efficiency": (1, lambda r, ax: r["efficiency"].plot(ax=ax)),
     "bow limits": (1, lambda r, ax: r["bow limits"].plot(ax=ax)),
+    "film": (3, lambda r, ax: r["film"].plot(ax=ax)),
     "thermal stability": (2, lambda r, ax: r["thermal stability"].plot(ax=ax)),
     "thermal spiral": (2, lambda r, ax: r["thermal spiral"].plot(ax=ax)),
     "frequency response": (2, lambda r, ax: r["response"].plot("g1", ax=ax)),

@@ -130,6 +130,7 @@ def objects() -> dict[str, object]:
         damper.coefficients(0.4),
         rolling,
         journal.coefficients(500.0, 150.0),
+        journal.coefficients(500.0, 150.0).pads[0],
         rolling.coefficients(500.0),
         gb.RollingBearing("a", 0.0, "6308"),
         gb.RollingBearing("a", 0.0, "6308").estimate,

@@ -112,6 +112,10 @@ def element(plain: dict, kind: str, i: int = 0) -> dict:
             "seal: gearbow cannot represent a RubbingElement",
         ),
         (
+            lambda p: p.update({"TiltingPad_pinion side": {"n": 2, "preload": [0.5] * 5}}),
+            "pinion side: gearbow cannot represent a TiltingPad; save the rotor with rs.BearingElement",
+        ),
+        (
             lambda p: p.update({"CouplingElement_flange": {"n": 20, "m_l": 1.0}}),
             "flange: node 20 is not on the shaft",
         ),

@@ -86,6 +86,7 @@ def everything() -> dict[str, Any]:
         "event": gb.results.Event(0.0, "contact", "a", "b"),
         "statistics": run.statistics,
         "film coefficients": film.coefficients(100.0, 100.0),
+        "film of a pad": film.coefficients(100.0, 100.0).pads[0],
         "squeeze coefficients": gb.SqueezeFilm(
             diameter=0.1, length=0.025, clearance=1e-4, viscosity=0.02
         ).coefficients(0.4),

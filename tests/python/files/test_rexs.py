@@ -228,6 +228,27 @@ def unknown_bearings() -> dict[str, Any]:
     return plain
 
 
+@pytest.mark.parametrize(
+    ("profile", "kind"),
+    [
+        ({"profile": "lemon"}, gb.JournalBearing),
+        ({"pads": [gb.Pad(0.2, 2.5, preload=0.3), gb.Pad(3.4, 2.5)]}, gb.JournalBearing),
+        ({"pad_count": 5, "pad_inertia": 1e-5}, gb.TiltingPadBearing),
+    ],
+)
+def test_an_unknown_bearing_may_have_an_oil_film(write, profile: dict[str, Any], kind: type):
+    size = {"diameter": 0.06, "length": 0.03, "clearance": 1e-4, "viscosity": 0.02}
+    film = {**size, "axial_stiffness": 1e8, **profile}
+    with pytest.warns(gb.SceneWarning):
+        system = gb.RotorSystem.read_rexs(
+            write(unknown_bearings()), bearings={"left": film, "right": film}, load_case=1
+        )
+    films = [each for each in system.bearings if isinstance(each, kind)]
+    assert len(films) == 2
+    for each in films:
+        assert each == kind(each.shaft, each.position, **film)
+
+
 def test_a_missing_value_or_load_case_is_an_error_that_names_it(write):
     with pytest.warns(gb.SceneWarning, match="load case 1: 1500 rpm, .* acts; load_case chooses"):
         system = gb.RotorSystem.read_rexs(FILE, bearings=OTHER)

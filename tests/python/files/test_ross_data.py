@@ -118,6 +118,25 @@ def read(tmp_path: Path, *elements: dict) -> gb.RotorSystem:
     return gb.RotorSystem.from_ross(tmp_path / "rotor.json")
 
 
+def test_an_oil_film_is_read_with_the_coefficients_that_ross_saved(tmp_path: Path):
+    # ROSS saves its plain journals and tilting pads as tables over the speed, which it calls frequency up to version 2
+    speeds = [100.0, 200.0, 400.0]
+    film = {f"{letter}{key}": [1e6, 2e6, 3e6] for letter in "kc" for key in ("xx", "yy")}
+    film |= {"kxy": [1e5, 2e5, 4e5], "kyx": [-1e5, -2e5, -4e5], "cxy": [0.0] * 3, "cyx": [0.0] * 3}
+    plain = {f"ShaftElement_e{i}": element(i, 0.05) for i in range(2)}
+    for n in (0, 2):
+        saved = {**film, "n": n, "tag": f"b{n}", "frequency": speeds, "scale_factor": 1.0}
+        plain[f"BearingElement_b{n}"] = saved
+    (tmp_path / "rotor.json").write_text(json.dumps({"ross_version": "2.3.0", **plain}))
+    system = gb.RotorSystem.from_ross(tmp_path / "rotor.json")
+    for bearing in system.bearings:
+        assert bearing.stiffness.speeds == tuple(speeds)
+        assert bearing.stiffness.frequencies is None
+        assert np.abs(np.array(bearing.stiffness.values)[1]).max() == 2e6
+    matrices = system.matrices(200.0)
+    assert np.abs(matrices.stiffness - matrices.stiffness.T).max() == pytest.approx(4e5, rel=1e-6)
+
+
 def test_layers_are_sleeves_and_cones_are_cones(tmp_path: Path):
     light = {"rho": 4430.0, "E": 114e9, "G_s": 42.5e9}
     system = read(
