@@ -17,6 +17,7 @@ from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
+from gearbow.description.places import housing_and_interface, other_shaft
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
@@ -132,10 +133,21 @@ class Contents:
 
     @cached_property
     def sensors(self) -> list[str]:
-        """Names of the points of housings, or of housings without points."""
-        return [
-            name for each in self.system.housings for name in (list(each.points) or [each.name])
-        ]
+        """Names of the points of housings, or of housings without points.
+
+        An elastic one has its interfaces that carry no bearing and no spring, or all of them.
+        """
+        names: list[str] = []
+        for each in self.system.housings:
+            if each.elastic is None:
+                names += list(each.points) or [each.name]
+                continue
+            bases = [getattr(bearing, "support", None) for bearing in self.system.bearings]
+            carrying = {own[1] for base in bases if (own := housing_and_interface(base))}
+            given = each.elastic.interfaces
+            free = [name for name in given if name not in carrying]
+            names += [name for name in free if "stiffness" not in given[name]] or list(given)
+        return names
 
     def need_operating(self) -> float:
         """Give the highest operating speed, which must be given."""
@@ -351,9 +363,8 @@ def table_range(system: Any) -> tuple[float, float]:
     """Give the speeds that every table of bearing coefficients contains [rad/s]."""
     of_shaft, low, high = ratios_by_shaft(system), 0.0, math.inf
     for bearing in system.bearings:
-        base = getattr(bearing, "support", None)
-        other = of_shaft[base[0]] if isinstance(base, tuple) else 0.0
-        ratio = abs(of_shaft[bearing.shaft] - other)
+        other = other_shaft(getattr(bearing, "support", None))
+        ratio = abs(of_shaft[bearing.shaft] - (0.0 if other is None else of_shaft[other[0]]))
         for table in (getattr(bearing, name, None) for name in ("stiffness", "damping")):
             if not isinstance(table, SpeedTable) or table.speeds is None or not ratio:
                 continue
