@@ -69,7 +69,7 @@ pub struct CoupledBands {
     /// Entries (row, column) between motions outside of the bands. The numbers from `size` on are those of `combinations`.
     pub(super) couplings: BTreeMap<(usize, usize), Complex64>,
     /// Combinations of the coordinates of chains whose other entries are on the diagonal.
-    combinations: Vec<Motion>,
+    pub(super) combinations: Vec<Motion>,
     /// Number of coordinates.
     size: usize,
 }
@@ -99,6 +99,14 @@ impl CoupledBands {
                 self.combinations.push(motion);
                 self.combinations.len() - 1
             })
+    }
+
+    /// The chain of the motion of a number.
+    pub(super) fn chain(&self, number: usize) -> usize {
+        match number.checked_sub(self.size) {
+            Some(combination) => self.combinations[combination].chain,
+            None => chain_of(&self.starts, number),
+        }
     }
 
     /// The motion of a number.
@@ -481,6 +489,29 @@ mod tests {
                 assert!(error < 1e-14, "{error}");
                 assert!((dense * x - &right).norm() < 1e-11 * right.norm(), "{shift} {count}");
             }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn factors_of_a_diagonal_chain_are_proportional_to_its_size() -> Result<(), Singular> {
+        // The modes of a housing with three seats, each coupled to a coordinate of a shaft.
+        let (rows, seats) = (4, 3);
+        for modes in [10, 20, 100] {
+            let mut sum = CoupledBands::default();
+            sum.push(BandChain::zeros(rows, 1));
+            sum.push(BandChain::zeros(modes, 1));
+            (0..rows + modes).for_each(|i| sum.add(i, i, Complex64::from(1.0 + i as f64)));
+            for k in 0..seats {
+                let row: Vec<_> = (rows..rows + modes).map(|i| (i, ((3 * i + 2 * k) as f64).cos())).collect();
+                let motions = [(k, 1.0), (sum.combination(&row), -1.0)];
+                for (a, left) in motions {
+                    motions.iter().for_each(|(b, right)| sum.add(a, *b, Complex64::from(left * right)));
+                }
+            }
+            let factors = sum.factor(1.0)?;
+            assert_eq!(factors.couplings.motions.len(), 2 * seats);
+            assert_eq!(factors.columns.iter().map(Vec::len).sum::<usize>(), seats * (rows + modes));
         }
         Ok(())
     }

@@ -34,7 +34,7 @@ pub(super) struct Motion {
 impl Motion {
     /// Its value in a vector over the coordinates of the chain.
     pub fn value<T: Number>(&self, x: &[T]) -> T {
-        self.entries.iter().fold(T::zero(), |sum, (row, coefficient)| sum + x[*row] * T::from_real(*coefficient))
+        self.entries.iter().fold(T::zero(), |sum, (row, coefficient)| sum + x[*row].scale(*coefficient))
     }
 
     /// Subtracts a force along it.
@@ -70,7 +70,7 @@ impl Couplings {
         if damper != Complex64::ZERO {
             sizes.extend(soft_coordinates(bands, &sizes));
         }
-        let mut keys: Vec<(usize, usize)> = sizes.keys().map(|key| (bands.motion(*key).chain, *key)).collect();
+        let mut keys: Vec<(usize, usize)> = sizes.keys().map(|key| (bands.chain(*key), *key)).collect();
         keys.sort_unstable();
         let motions: Vec<Motion> = keys.iter().map(|(_, key)| bands.motion(*key)).collect();
         let of = |(_, key): &(usize, usize)| if *key < bands.size() { damper * sizes[key] } else { Complex64::ZERO };
@@ -146,10 +146,24 @@ impl Couplings {
     /// Z of each chain, from the `columns` of A⁻¹E.
     pub fn receptances<T: Number>(&self, columns: &[Vec<T>]) -> Vec<DMatrix<Complex64>> {
         let receptance = |part: &Range<usize>| {
-            DMatrix::from_fn(part.len(), part.len(), |i, j| {
-                let value = self.motions[part.start + i].value(&columns[part.start + j]);
-                Complex64::new(value.real(), value.imaginary())
-            })
+            let (motions, columns) = (&self.motions[part.clone()], &columns[part.clone()]);
+            let mut receptance = DMatrix::zeros(part.len(), part.len());
+            for (j, column) in columns.iter().enumerate() {
+                for (i, motion) in motions.iter().enumerate() {
+                    // The coordinates of a combination have entries on the diagonal only, so that its receptances are symmetric.
+                    let is_symmetric = motion.entries.len() > 1 || motions[j].entries.len() > 1;
+                    if i > j && is_symmetric {
+                        continue;
+                    }
+                    let value = motion.value(column);
+                    let value = Complex64::new(value.real(), value.imaginary());
+                    receptance[(i, j)] = value;
+                    if is_symmetric {
+                        receptance[(j, i)] = value;
+                    }
+                }
+            }
+            receptance
         };
         self.parts.iter().map(receptance).collect()
     }
@@ -203,19 +217,25 @@ fn parts_of(motions: &[Motion]) -> Vec<Range<usize>> {
 /// Coordinates of coupled combinations whose entry on the diagonal is small against their couplings, with the size of these; `sizes`
 /// are those of the couplings of every motion.
 fn soft_coordinates(bands: &CoupledBands, sizes: &BTreeMap<usize, f64>) -> BTreeMap<usize, f64> {
-    let mut coupled: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    // Sizes of the couplings of the coordinates of each chain.
+    let mut coupled: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (key, size) in sizes.range(bands.size()..) {
-        let Motion { chain, entries } = bands.motion(*key);
+        let Motion { chain, entries } = &bands.combinations[key - bands.size()];
+        let sizes = coupled.entry(*chain).or_insert_with(|| vec![0.0; bands.chains[*chain].size()]);
         for (row, coefficient) in entries {
-            *coupled.entry((chain, row)).or_default() += coefficient * coefficient * size;
+            sizes[*row] += coefficient * coefficient * size;
         }
     }
-    let is_soft = |(chain, row): (usize, usize), size: f64| {
-        let (columns, entries) = bands.chains[chain].row(row);
-        entries[row - columns.start].norm() <= SOFT * size
-    };
-    let soft = coupled.into_iter().filter(|(place, size)| is_soft(*place, *size));
-    soft.map(|((chain, row), size)| (bands.starts[chain] + row, size)).collect()
+    let mut soft = BTreeMap::new();
+    for (chain, sizes) in coupled {
+        for (row, size) in sizes.into_iter().enumerate() {
+            let (columns, entries) = bands.chains[chain].row(row);
+            if size > 0.0 && entries[row - columns.start].norm() <= SOFT * size {
+                soft.insert(bands.starts[chain] + row, size);
+            }
+        }
+    }
+    soft
 }
 
 /// Orthonormal columns with the same span.

@@ -253,6 +253,11 @@ def _parts_tables(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> l
     plain = []
     for part in given:
         own = dict(part)
+        if isinstance(part.get("elastic"), Mapping):
+            own["elastic"], interfaces = _elastic(part["elastic"])
+            pieces.setdefault("elastic.interfaces", []).extend(
+                {"of": part["name"], **each} for each in interfaces
+            )
         for name, value in part.items():
             if isinstance(value, list) and value and isinstance(value[0], Mapping):
                 rows = [{"of": part.get("name", ""), **one} for one in own.pop(name)]
@@ -261,10 +266,28 @@ def _parts_tables(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> l
     tables = [_parts_table(title, key, plain)]
     for name, rows in pieces.items():
         parts = title if language() == "de" else title.lower()
-        heading = f"{name.replace('_', ' ').capitalize()} of {parts}, from left to right"
+        if name == "elastic.interfaces":
+            heading = "Interfaces of elastic housings"
+        else:
+            heading = f"{name.replace('_', ' ').capitalize()} of {parts}, from left to right"
         heading = word(heading)
         tables.append(_parts_table(heading, f"{key}[0].{name}", rows))
     return tables
+
+
+def _elastic(body: Mapping[str, Any]) -> tuple[str, list[dict[str, Any]]]:
+    """Summarise the modes of an elastic housing, and list its interfaces without their rows."""
+    frequencies = np.array(body["frequencies"], dtype=np.float64) / (2.0 * math.pi)
+    modes = say(
+        "{count} modes up to {highest} kHz",
+        count=frequencies.size,
+        highest=f"{1e-3 * frequencies.max(initial=0.0):.4g}",
+    )
+    interfaces = [
+        {"interface": name, **{key: value for key, value in given.items() if key != "rows"}}
+        for name, given in body["interfaces"].items()
+    ]
+    return modes, interfaces
 
 
 def _parts_table(title: str, key: str, given: Sequence[Mapping[str, Any]]) -> Table:

@@ -133,17 +133,23 @@ class Contents:
 
     @cached_property
     def sensors(self) -> list[str]:
-        """Names of the points and free interfaces of housings, or of rigid ones without points."""
+        """Names of the points of housings, or of rigid ones without points.
+
+        An elastic housing has its interfaces without bearing and spring, or all of them.
+        """
         carrying = {housing_and_interface(bearing.support) for bearing in self.system.bearings}
-        places: list[str] = []
+        names: list[str] = []
         for housing in self.system.housings:
             if housing.elastic is None:
-                places += list(housing.points) or [housing.name]
+                names += list(housing.points) or [housing.name]
                 continue
-            interfaces = list(housing.elastic.interfaces)
-            free = [place for place in interfaces if (housing.name, place) not in carrying]
-            places += free or interfaces
-        return places
+            interfaces = housing.elastic.interfaces
+            names += [
+                name
+                for name, given in interfaces.items()
+                if (housing.name, name) not in carrying and "stiffness" not in given
+            ] or list(interfaces)
+        return names
 
     def need_operating(self) -> float:
         """Give the highest operating speed, which must be given."""

@@ -797,3 +797,18 @@ def test_elements_for_the_limits_of_all_bows_are_chosen_once(monkeypatch):
     found = {(one.limit, one.at): one.bow for one in made[0][1].limits}
     # Bows are found to 1e-6; a table has four digits.
     assert {key: found[key] for key in expected} == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_housing_of_modes_has_a_line_and_a_table_of_its_interfaces():
+    system = gb.examples()["housed_pair"].load()
+    # a bearing on a housing has no table of coefficients that depend on another shaft
+    assert table_range(system) == (0.0, np.inf)
+    options = Options("", (150.0, 150.0), None, 4, (), "rad/s")
+    assert Contents(system, options).sensors == ["sensor at bearing"]
+    tables = {table.title: table for table in parts_tables(system)}
+    assert tables["Housings"].rows[0][-1] == "91 modes up to 15 kHz"
+    interfaces = tables["Interfaces of elastic housings"]
+    assert interfaces.rows[0] == [
+        *("housing", "foot back left", "0, 220, -120", "100, 100, 300", "5000, 5000, 5000")
+    ]
+    assert len(interfaces.rows) == 9
