@@ -1,7 +1,6 @@
 //! Elements of a system whose modes are too many to be examined together: those of its parts.
 //!
-//! A part is two shafts in mesh, each with the shafts that couplings, bearings or a planetary stage whose carrier turns join to it; or
-//! such shafts without a mesh. A step
+//! A part is two shafts in mesh, each with the shafts that couplings or bearings join to it; or such shafts without a mesh. A step
 //! of a mesh force excites modes of high frequency, which decide on the elements, near its gears. The modes of
 //! low frequency, which extend over the train, need fewer elements. A shaft takes the finest elements that one of its parts needs.
 
@@ -9,7 +8,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::{AnalysisError, Choice, Interrupt, Resolved, resolve};
 use crate::scene::description::{Base, MotionKind, Place, Shaft, TorqueValue};
-use crate::scene::{Mesh, Scene, SceneDescription};
+use crate::scene::{Scene, SceneDescription};
 
 /// The elements of the parts of the description `given`, whose checked entries are those of `scene`. `None` if there is only one
 /// part, or if a part cannot be analysed without the others.
@@ -78,20 +77,20 @@ fn parts(scene: &Scene) -> BTreeSet<Vec<usize>> {
     });
     // The first shaft of those that couplings and bearings join.
     let mut joined: Vec<usize> = (0..scene.shafts.len()).collect();
-    let of_gears = |mesh: &Mesh| [mesh.driver, mesh.driven].map(|gear| scene.gears[gear].body.node.shaft);
-    // The forces of a stage balance with all of its planets only.
-    let carried = scene.meshes.iter().filter_map(|mesh| Some((mesh, mesh.carrier?)));
-    let stages = carried.flat_map(|(mesh, carrier)| of_gears(mesh).map(|shaft| [shaft, carrier.shaft]));
-    for [a, b] in couplings.chain(between).chain(stages) {
+    for [a, b] in couplings.chain(between) {
         let (kept, replaced) = (joined[a].min(joined[b]), joined[a].max(joined[b]));
         joined.iter_mut().filter(|first| **first == replaced).for_each(|first| *first = kept);
     }
-    let meshes = scene.meshes.iter().map(|mesh| of_gears(mesh).map(|shaft| joined[shaft]));
-    let meshes: BTreeSet<[usize; 2]> = meshes.collect();
+    let meshes = scene.meshes.iter().map(|mesh| {
+        let of_gears = [mesh.driver, mesh.driven].map(|gear| scene.gears[gear].body.node.shaft);
+        let nodes = of_gears.into_iter().chain(mesh.carrier.map(|node| node.shaft));
+        nodes.map(|shaft| joined[shaft]).collect::<Vec<_>>()
+    });
+    let meshes: BTreeSet<Vec<usize>> = meshes.collect();
     let in_mesh: HashSet<usize> = meshes.iter().flatten().copied().collect();
-    let alone = joined.iter().filter(|first| !in_mesh.contains(first)).map(|first| [*first; 2]);
-    let with = |pair: [usize; 2]| (0..joined.len()).filter(|shaft| pair.contains(&joined[*shaft])).collect();
-    meshes.iter().copied().chain(alone).map(with).collect()
+    let alone = joined.iter().filter(|first| !in_mesh.contains(first)).map(|first| vec![*first]);
+    let with = |group: Vec<usize>| (0..joined.len()).filter(|shaft| group.contains(&joined[*shaft])).collect();
+    meshes.iter().cloned().chain(alone).map(with).collect()
 }
 
 /// The description of these shafts and of what acts on them. Shafts, bodies and bases have their numbers as names, so that equal
