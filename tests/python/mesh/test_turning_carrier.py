@@ -115,6 +115,8 @@ def test_speeds_are_those_of_willis():
     assert one["ring mount"] == 0.0
     planet = one["out"] - (1.0 - one["out"]) * SUN / PLANET
     assert one["pin 1"] == pytest.approx(planet, rel=1e-14)
+    copied = gb.RotorSystem.from_dict(system().description)
+    assert (copied.meshes, copied.disks) == (system().meshes, system().disks)
     # the carrier is the reference
     other = ratios(system(reference="out"))
     assert other["in"] == pytest.approx(1.0 + RING / SUN, rel=1e-15)

@@ -208,7 +208,8 @@ def test_the_table_agrees_with_the_documented_units():
                 continue
             entry = {"tooth": "[0][0]", "driver": "[0][0]", "driven": "[0][0]"}
             entry = entry if kind is gb.TransmissionError else {}
-            entry |= {"at": "[1]", "a": "[1]", "b": "[1]", "support": "[1]", "points": ".name"}
+            entry |= {"at": "[1]", "a": "[1]", "b": "[1]", "support": "[1]", "carrier": "[1]"}
+            entry |= {"points": ".name"}
             if kind is gb.Coupling:
                 entry |= {"stiffness": "[0]", "damping": "[0]"}
             here = f"{path}.{name}{entry.get(name, '')}"
