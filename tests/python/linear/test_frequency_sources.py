@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from reference.machines import two_disks_in_torsion
+from reference.machines import hostile, two_disks_in_torsion
 from test_frequency_response import train
 
 
@@ -291,3 +291,15 @@ def test_wrong_arguments_are_refused():
         except (AssertionError, pytest.fail.Exception) as error:
             failures.append(f"{text}: {error}")
     assert not failures, "\n".join(failures)
+
+
+def test_a_transmission_error_acts_in_its_own_mesh_only():
+    # far above all modes hardly anything moves: the teeth of the excited mesh alone have a force
+    machine = hostile()
+    pairs = [(mesh.driver, mesh.driven) for mesh in machine.meshes]
+    for excited in pairs:
+        source = gb.MeshExcitation(excited, 1e-6)
+        found = machine.frequency_response([1e7], source=source, speed=50.0)
+        force = {pair: abs(found.mesh_force(pair)[0, 0]) for pair in pairs}
+        others = [size for pair, size in force.items() if pair != excited]
+        assert max(others) < 0.05 * force[excited]

@@ -217,7 +217,8 @@ def run_up(duration=20.0, step=1e-3, begin=0.0, end=300.0, **content):
 @pytest.mark.parametrize(("begin", "end"), [(0.0, 300.0), (300.0, 20.0), (-10.0, -300.0)])
 def test_the_orders_of_a_chirp_have_their_amplitudes(begin, end):
     content = {"1× input": (1.0, 3e-6 - 1e-6j), "1× output": (0.5, 2e-6j), "2× input": (2.0, 5e-7)}
-    found = run_up(begin=begin, end=end, **content).orders("g1", "y", mesh_harmonics=0)
+    run = run_up(begin=begin, end=end, **content)
+    found = run.orders("g1", "y", mesh_harmonics=0)
     for name, (_, amplitude) in content.items():
         # the signal belongs to the model: round-off
         assert found.track(name) == pytest.approx(abs(amplitude), rel=1e-9)
@@ -226,6 +227,11 @@ def test_the_orders_of_a_chirp_have_their_amplitudes(begin, end):
     assert found.rest < 1e-12
     assert found.times.shape == found.speeds.shape == (len(found.tracks),)
     assert found.speeds == pytest.approx(np.abs(begin + (end - begin) * found.times / 20.0))
+    # the times are the middles of segments of one length, which begin and end with the record
+    turned = begin * found.times + (end - begin) * found.times**2 / 40.0
+    last = begin * run.time[-1] + (end - begin) * run.time[-1] ** 2 / 40.0
+    assert turned[0] == pytest.approx(last - turned[-1], rel=1e-3)  # of interpolated times
+    assert np.diff(turned) == pytest.approx((turned[-1] - turned[0]) / (turned.size - 1), rel=1e-2)
 
 
 def test_amplitudes_that_change_over_the_speed_are_followed():

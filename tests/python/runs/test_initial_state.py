@@ -89,3 +89,22 @@ def test_a_state_that_continues_a_run_needs_no_equation():
     system = pair()
     first = system.simulate(1e-3, 90.0)
     assert system.simulate(1e-3, 90.0, initial=first).errors()["mesh_force"].total < 0.5
+
+
+def test_the_static_state_of_a_run_up_does_not_depend_on_earlier_runs():
+    # torques over the speed have their value at the highest speed, which differs between the runs
+    def machine() -> gb.RotorSystem:
+        over_speed = gb.SpeedTable([0.0, 300.0], [150.0, 20.0])
+        torques = [gb.Torque(("input", 0.07), over_speed), gb.Torque(("output", 0.17), -60.0)]
+        drive = gb.Drive(("output", 0.17), stiffness=1e5, damping=10.0)
+        return machines.hostile(torques=torques, drives=[drive])
+
+    def start(system: gb.RotorSystem, fastest: float) -> np.ndarray:
+        speed = gb.SpeedProfile.ramp(100.0, fastest, 1e-3)
+        run = system.simulate(1e-3, speed, initial="static", output_step=1e-3, record=["gears"])
+        return run.displacement("g4")[0]
+
+    one = machine()
+    earlier, later = start(one, 120.0), start(one, 280.0)
+    assert np.array_equal(later, start(machine(), 280.0))
+    assert np.abs(later - earlier).max() > 1e-6
