@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+import gearbow as gb
+
 EXAMPLES = Path(__file__).parents[3] / "examples"
 COMPLETE = bool(os.environ.get("GEARBOW_CASES"))
 
@@ -66,6 +68,15 @@ def load(name: str, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     monkeypatch.setitem(sys.modules, name, module)
     vars(module).update(runpy.run_path(str(path), run_name=name))
     return module
+
+
+def test_the_machines_of_the_examples_are_those_of_the_package():
+    package = Path(gb.__file__).parent / "machines"
+    examples = EXAMPLES / "machines"
+    names = {path.name for path in package.glob("*.toml")}
+    assert {path.name for path in examples.glob("*.toml")} == names
+    for name in names:
+        assert (examples / name).read_text("utf-8") == (package / name).read_text("utf-8"), name
 
 
 def test_every_example_is_tested():
