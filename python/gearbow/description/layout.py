@@ -573,10 +573,8 @@ def coaxial(
     gears: Mapping[str, Gear],
     places: Mapping[str, tuple[str, float]],
 ) -> Iterator[tuple[tuple[str, float], tuple[str, float]]]:
-    """Give the places that couplings, and bearings between two shafts, put at one point.
-
-    A carrier that turns is at the place of the ring around its planets.
-    """
+    """Give the places that couplings, and bearings between two shafts, put at one point."""
+    # A carrier that turns is at the place of the ring around its planets.
     for mesh in meshes:
         rings = [name for name in (mesh.driver, mesh.driven) if gears[name].internal]
         if mesh.carrier is not None and rings:

@@ -492,11 +492,9 @@ def planet_masses(
     gears: Mapping[str, Gear],
     masses: Mapping[str, float],
 ) -> list[Disk]:
-    """Give the disk with the inertia of planets about the axis of a carrier that turns.
-
-    `masses` are those of shafts with what they carry [kg]. Rigid pins move the planets along with
-    the carrier; the spin of a planet about its own axis is a motion of its own.
-    """
+    """Give the disk with the inertia of planets about the carrier's axis; masses in kg."""
+    # Rigid pins move the planets along with the carrier; the spin of a planet about its own axis
+    # is a motion of its own.
     first = next(mesh for mesh in meshes if f"{stage.planet.name} 1" in _ends(mesh))
     if first.carrier is None or isinstance(first.carrier, str):
         return []

@@ -133,10 +133,9 @@ class Contents:
 
     @cached_property
     def sensors(self) -> list[str]:
-        """Names of the points of housings, or of rigid ones without points.
-
-        An elastic housing has its interfaces without bearing and spring, or all of them.
-        """
+        """Names of the places that stand for sensors of the housings."""
+        # Points of a rigid housing, or its name; interfaces of an elastic one without bearing and
+        # spring, or all of them.
         carrying = {housing_and_interface(bearing.support) for bearing in self.system.bearings}
         names: list[str] = []
         for housing in self.system.housings:
