@@ -119,7 +119,9 @@ pub fn lines(cached: &CachedModel, harmonics: u32, sense: f64) -> Vec<Excitation
         };
         (1..=harmonics).map(line)
     });
-    scene.speed_ratios.iter().enumerate().map(turning).chain(teeth).collect()
+    // A shaft that the ratios hold at rest excites nothing.
+    let shafts = scene.speed_ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
+    shafts.map(turning).chain(teeth).collect()
 }
 
 /// Tracks the `count` lowest modes over `speeds` of one sign and of ascending magnitude, rad/s, and intersects them with [`lines`].

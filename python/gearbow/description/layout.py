@@ -83,6 +83,37 @@ class Order(Shown):
         return shown if more <= 0 else f"{shown} and {more} more"
 
 
+def _shafts_of_bodies(system: Train) -> dict[str, str]:
+    shafts = {gear.name: gear.shaft for gear in system.gears}
+    return shafts | {disk.name: disk.shaft for disk in system.disks}
+
+
+def mesh_orders(system: Train) -> list[float]:
+    """Give the tooth frequency of each mesh over the speed of the reference shaft."""
+    names = [shaft.name for shaft in system.shafts]
+    ratios = dict(zip(names, system.speed_ratios.tolist(), strict=True))
+    gears = {gear.name: gear for gear in system.gears}
+    shafts = _shafts_of_bodies(system)
+    found = []
+    for mesh in system.meshes:
+        driver, carrier = gears[mesh.driver], 0.0
+        if mesh.carrier is not None:  # teeth meet at the speed of the gears relative to it
+            place = mesh.carrier
+            carrier = ratios[shafts[place] if isinstance(place, str) else place[0]]
+        found.append(driver.teeth * abs(ratios[driver.shaft] - carrier))
+    return found
+
+
+def tooth_orders(system: Train) -> dict[str, float]:
+    """Give the tooth frequency of each gear over the speed of the reference shaft by its name."""
+    names = [shaft.name for shaft in system.shafts]
+    ratios = dict(zip(names, system.speed_ratios.tolist(), strict=True))
+    found = {gear.name: gear.teeth * abs(ratios[gear.shaft]) for gear in system.gears}
+    for mesh, order in zip(system.meshes, mesh_orders(system), strict=True):
+        found[mesh.driver] = found[mesh.driven] = order
+    return found
+
+
 @dataclass(frozen=True)
 class Kinematics(Shown):
     """Speed ratios and tooth frequencies, which determine the orders of a train.
@@ -130,13 +161,11 @@ class Kinematics(Shown):
             shaft.name: float(ratio)
             for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
         }
-        ratios = {name: abs(ratio) for name, ratio in signed.items()}
-        gears = {gear.name: gear for gear in system.gears}
-        meshes = []
-        for mesh in system.meshes:
-            driver, driven = gears[mesh.driver], gears[mesh.driven]
-            tooth = driver.teeth * ratios[driver.shaft]
-            meshes.append((driver.name, driven.name, driver.shaft, driven.shaft, tooth))
+        bodies = _shafts_of_bodies(system)
+        meshes = [
+            (mesh.driver, mesh.driven, bodies[mesh.driver], bodies[mesh.driven], order)
+            for mesh, order in zip(system.meshes, mesh_orders(system), strict=True)
+        ]
         bearings = {}
         for bearing in system.bearings:
             if isinstance(bearing, RollingBearing):
@@ -147,8 +176,6 @@ class Kinematics(Shown):
                 name = f"{bearing.shaft}@{bearing.position:g}"
                 bearings[name] = (cage, bearing._count * cage)
         rolling = tuple((name, *orders) for name, orders in bearings.items())
-        bodies = {gear.name: gear.shaft for gear in system.gears}
-        bodies |= {disk.name: disk.shaft for disk in system.disks}
         forces = tuple(
             (
                 place_label(force.at),
@@ -213,9 +240,10 @@ class Kinematics(Shown):
         return sorted(found, key=lambda order: rank[order.names[0]])
 
     def _shafts(self, harmonics: int) -> Iterator[tuple[float, str]]:
+        turning = [(name, abs(ratio)) for name, ratio in self.shafts if ratio]
         for n in range(1, harmonics + 1):
-            for name, ratio in self.shafts:
-                yield n * abs(ratio), f"{n}× {name}"
+            for name, ratio in turning:
+                yield n * ratio, f"{n}× {name}"
 
     def _forces(self) -> Iterator[tuple[float, str]]:
         ratios = {name: abs(ratio) for name, ratio in self.shafts}
@@ -239,7 +267,7 @@ class Kinematics(Shown):
                 if not sidebands:
                     yield m * tooth, name
                 for n in range(1, sidebands + 1):
-                    for shaft in shafts:
+                    for shaft in filter(ratios.get, shafts):
                         for sign, word in ((1.0, "+"), (-1.0, "−")):
                             value = m * tooth + sign * n * ratios[shaft]
                             if value > 0.0:

@@ -13,7 +13,7 @@ import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent, replaced
 from gearbow.description.bow_limit import BowLimit
-from gearbow.description.layout import assumptions
+from gearbow.description.layout import assumptions, tooth_orders
 from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, segments_of
@@ -47,7 +47,7 @@ def drawing(contents: Contents) -> Iterator[Block]:
     """Draw the train to scale."""
     system = contents.system
     yield picture(system.plot(), say("The train to scale; bows are enlarged."))
-    turns = contents.speed / (2.0 * math.pi)
+    turns, tooth = contents.speed / (2.0 * math.pi), tooth_orders(system)
     rows = []
     for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True):
         gears = [gear for gear in system.gears if gear.shaft == shaft.name]
@@ -55,7 +55,7 @@ def drawing(contents: Contents) -> Iterator[Block]:
         if contents.speed:
             row += [f"{60.0 * ratio * turns:.6g}", f"{abs(ratio * turns):.6g}"]
         row.append(", ".join(f"{gear.name} ({gear.teeth})" for gear in gears))
-        teeth = [abs(ratio * gear.teeth) * (abs(turns) or 1.0) for gear in gears]
+        teeth = [tooth[gear.name] * (abs(turns) or 1.0) for gear in gears]
         rows.append([*row, ", ".join(dict.fromkeys(f"{each:.6g}" for each in teeth))])
     head = ["shaft", "speed ratio", "speed [rpm]", "1× [Hz]", "gears (teeth)"]
     title = say("Shafts and tooth frequencies")

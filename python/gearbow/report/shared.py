@@ -17,6 +17,7 @@ from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
+from gearbow.description.layout import tooth_orders
 from gearbow.description.places import housing_and_interface, other_shaft
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
@@ -129,7 +130,8 @@ class Contents:
 
     def turn(self) -> float:
         """Duration of a revolution of the slowest shaft at the highest operating speed [s]."""
-        return 2.0 * math.pi / float(np.abs(self.system.speed_ratios * self.need_operating()).min())
+        ratios = np.abs(self.system.speed_ratios)
+        return 2.0 * math.pi / float(ratios[ratios > 0.0].min() * abs(self.need_operating()))
 
     @cached_property
     def sensors(self) -> list[str]:
@@ -228,8 +230,7 @@ class Contents:
     @cached_property
     def excited(self) -> float:
         """Highest tooth frequency at the operating speed with the largest margin [Hz]."""
-        of_shaft = ratios_by_shaft(self.system)
-        orders = [abs(of_shaft[gear.shaft]) * gear.teeth for gear in self.system.gears]
+        orders = tooth_orders(self.system).values()
         # A resonance above the operating speed has a mode above the tooth frequency.
         return ABOVE * max(orders, default=0.0) * abs(self.speed) / (2.0 * math.pi)
 
@@ -303,9 +304,7 @@ class Contents:
 
     def _tooth_turns(self) -> float:
         """Give a revolution of the reference shaft, or those in which each mesh has a tooth."""
-        names = [shaft.name for shaft in self.system.shafts]
-        ratios = dict(zip(names, np.abs(self.system.speed_ratios), strict=True))
-        orders = [ratios[gear.shaft] * gear.teeth for gear in self.system.gears]
+        orders = tooth_orders(self.system).values()
         return max(1.0, 1.0 / min(orders, default=1.0))
 
     def section(self, name: str, title: str, make: "Make") -> Section:

@@ -10,7 +10,7 @@ from gearbow._convert import array, items, number, whole
 from gearbow._parallel import thread_count
 from gearbow._types import Array
 from gearbow.analysis.protocol import System
-from gearbow.description.layout import left_out
+from gearbow.description.layout import left_out, mesh_orders
 from gearbow.description.places import Places
 from gearbow.description.sources import MeshExcitation, Source, plain_sources
 from gearbow.errors import SceneError
@@ -163,15 +163,13 @@ def mesh_response(
     """
     known = Places.of("mesh", [(mesh.driver, mesh.driven) for mesh in self.meshes])
     index = known.index(at)
-    driver = next(gear for gear in self.gears if gear.name == self.meshes[index].driver)
-    ratio = self.speed_ratios[[shaft.name for shaft in self.shafts].index(driver.shaft)]
     numbers = [
         whole(one, f"harmonics[{i}]")
         for i, one in enumerate(items(harmonics, "harmonics", "numbers"))
     ]
     if not numbers:
         raise SceneError("harmonics: needs at least one harmonic, got none")
-    orders = abs(ratio) * driver.teeth * np.array(numbers, dtype=np.float64)
+    orders = mesh_orders(self)[index] * np.array(numbers, dtype=np.float64)
     return frequency_response(
         self,
         source=MeshExcitation(known.known[index][0], error),

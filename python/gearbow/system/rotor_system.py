@@ -17,7 +17,7 @@ from gearbow.analysis.balance import balance
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
-from gearbow.description.layout import assumptions
+from gearbow.description.layout import assumptions, tooth_orders
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
@@ -790,11 +790,11 @@ class RotorSystem(CheckedKeywords, Shown):
 
     def _rows(self) -> Table:
         """Give a row for each shaft: speed ratio, gears, and tooth frequencies over the speed."""
-        rows = []
+        rows, tooth = [], tooth_orders(self)
         for shaft, ratio in zip(self.shafts, self.speed_ratios, strict=True):
             gears = [gear for gear in self.gears if gear.shaft == shaft.name]
             teeth = ", ".join(f"{gear.name} ({gear.teeth})" for gear in gears)
-            orders = ", ".join(f"{abs(ratio) * gear.teeth:.6g}" for gear in gears)
+            orders = ", ".join(f"{tooth[gear.name]:.6g}" for gear in gears)
             rows.append((shaft.name, f"{ratio:.6g}", teeth, orders))
         return (("shaft", "speed ratio", "gears (teeth)", "tooth frequency / speed"), *rows)
 

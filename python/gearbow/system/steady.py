@@ -131,7 +131,8 @@ class Superposition:
 
 def recorded_duration(system: System, speed: float, longest: float) -> float:
     """Give the duration of the record without a period [s]: what orders need, or two turns."""
-    turn = _turn(float(min(abs(system.speed_ratios))), speed)
+    ratios = np.abs(system.speed_ratios)
+    turn = _turn(float(ratios[ratios > 0.0].min()), speed)
     gaps = np.diff([0.0, *(order.value for order in Kinematics.of(system).orders())])
     separate = (1.0 + _MARGIN) * SEPARATION * _turn(float(gaps.min()), speed)
     is_short = separate <= min(_MOST * turn, longest)

@@ -23,6 +23,7 @@ REFUSED = {
     "housed_pair": "housings: REXS cannot hold",
     "overhung_rotor": r"bearings\[0\].support: REXS has bearings",
     "star_gear": "housings: REXS cannot hold",
+    "turbo_gear": r"bearings\[0\]: REXS cannot hold the film of a journal bearing",
     "tapered_reducer": "housings: REXS cannot hold",
     "wind_turbine": r"meshes\[0\].carrier: REXS cannot hold",
     "turbine_rotor": r"bearings\[0\].support: REXS has bearings",

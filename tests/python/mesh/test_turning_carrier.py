@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 import gearbow as gb
+from gearbow.orders import Kinematics
 
 # Lumped models with rigid, massless shafts, so that most values are implausible.
 pytestmark = pytest.mark.implausible
@@ -281,12 +282,20 @@ def test_the_mesh_period_and_the_lines_are_relative_to_the_carrier():
     )
     order = SUN * RING / (SUN + RING)
     assert train.steady_state(speed=100.0).period == pytest.approx(2 * np.pi / 100.0 / order)
-    sources = (
-        {s.order for s in train.excitation(harmonics=1)}
-        if hasattr(train, "excitation")
-        else {order}
+    lines = train.campbell([10.0, 100.0], count=2).lines
+    assert [line.order for line in lines if line.kind == "mesh"] == pytest.approx(
+        [order] * len(train.meshes)
     )
-    assert any(abs(found - order) < 1e-12 * order for found in sources)
+    assert all(line.order > 0.0 for line in lines)
+    found = Kinematics.of(train)
+    assert [mesh[-1] for mesh in found.meshes] == pytest.approx([order] * len(train.meshes))
+    assert all(each.value > 0.0 for each in found.orders())
+    response = train.mesh_response("sun/planet 1", error=1e-6, speeds=[100.0])
+    assert response.frequencies == pytest.approx([order * 100.0])
+    rows = train._repr_html_().split("<tr><td>")[1:]
+    with_gears = [row for row in rows if "(" in row]
+    assert len(with_gears) == len({gear.shaft for gear in train.gears})
+    assert all(f">{order:.6g}<" in row for row in with_gears)
 
 
 def test_in_a_bending_train_a_stage_couples_the_shafts_in_torsion():
