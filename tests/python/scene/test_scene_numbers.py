@@ -88,6 +88,7 @@ def test_every_numeric_field_is_in_that_scene():
     beside = {"shear_modulus", "runout", "backlash", "bow", "error", "tip_relief", "segments"}
     beside.add("friction")  # of a mesh, a test of its own below
     beside.add("speed_ratio")  # of shafts that no mesh connects
+    beside.add("carrier")  # of a mesh, a test of its own below
     parts = (gb.Material, gb.Segment, gb.Shaft, gb.Disk, gb.Gear, gb.Mesh, gb.Bearing)
     known = {key for path in numbers(SCENE) for key in path}
     for part in parts:
@@ -95,6 +96,12 @@ def test_every_numeric_field_is_in_that_scene():
             texts = {"name", "shaft", "driver", "driven", "material", "support", "contact"}
             flags = {"shear", "damping_in_separation", "internal"}
             assert field.name in known | beside | texts | flags, (part, field.name)
+
+
+@each_case("value", WRONG.values(), ids=WRONG)
+def test_the_place_of_a_carrier_without_a_number_is_an_error(value: object):
+    with pytest.raises(gb.SceneError, match=r"meshes\[0\]\.carrier\[1\]: must be "):
+        build(with_value(["meshes", 0, "carrier"], ("input", value)))
 
 
 @each_case("value", WRONG.values(), ids=WRONG)
