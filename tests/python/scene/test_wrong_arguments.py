@@ -633,6 +633,10 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         lambda: system().campbell([0.0, 100.0], count=3),
         {"plot": {}, "table": {}, "to_dataframe": {}},
     ),
+    "FilmCoefficients": (
+        lambda: gb.JournalBearing(**AT, **JOURNAL).coefficients(1e3, 300.0),
+        {"plot": {}},
+    ),
     "Continuation": (
         branch,
         {
