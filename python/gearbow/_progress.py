@@ -10,14 +10,11 @@ import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gearbow._convert import function, truth
 from gearbow._types import Progress
 from gearbow.errors import AccuracyWarning, outside
-
-if TYPE_CHECKING:
-    from tqdm import tqdm
 
 #: A run with a longer estimated duration gives a warning [s].
 LONG_RUN = 3600.0
@@ -52,16 +49,13 @@ def reported(
     names = what if setup is None else f"{what}: {setup}"
     count = f"{{n:{numbers}}}/{{total:{numbers}}} {unit}"
     look = f"{{l_bar}}{{bar}}| {count} [{{elapsed}}<{{remaining}}]"
-    with _bar(what, at_once=bool(progress), total=total, desc=names, bar_format=look) as bar:
+    with _bar(what, at_once=bool(progress), total=total, desc=names, bar_format=look) as done:
 
         def show(fraction: float) -> None:
-            if fraction > 0.0:
-                bar.set_description_str(what, refresh=False)
-            bar.update(fraction * total - bar.n)
+            done.amount = fraction * total
 
         yield _Estimate(show) if estimate else show
-        bar.set_description_str(what, refresh=False)
-        bar.update(total - bar.n)
+        done.amount = total
 
 
 @contextmanager
@@ -97,25 +91,43 @@ def _deciding(what: str) -> Iterator[None]:
         _decided.remove(what)
 
 
+class _Done:
+    """What the clock of a bar shows next."""
+
+    #: Completed part of the total, in its unit.
+    amount = 0.0
+
+
 @contextmanager
-def _bar(what: str, *, at_once: bool, **look: Any) -> "Iterator[tqdm[Any]]":
-    """Show a bar whose elapsed time goes on while the core reports nothing."""
+def _bar(what: str, *, at_once: bool, **look: Any) -> Iterator[_Done]:
+    """Show a bar whose elapsed time goes on while the core reports nothing.
+
+    Only its clock draws: an interrupt of the main thread would leave the lock of a drawing taken.
+    """
     from tqdm import tqdm  # noqa: PLC0415  # its import takes longer than that of gearbow
+
+    class Bar(tqdm):  # type: ignore[type-arg]
+        #: The clock draws often enough without the thread that tqdm starts for all its bars.
+        monitor_interval = 0
 
     # Show every report, because the remaining time changes without progress too. A bar that appears
     # by itself disappears at the end.
     delay = 0.0 if at_once else _DELAY
-    stop = threading.Event()
-    with _deciding(what), tqdm(miniters=0, delay=delay, leave=at_once, **look) as bar:
+    stop, done = threading.Event(), _Done()
+    with _deciding(what), Bar(miniters=0, delay=delay, leave=at_once, **look) as bar:
 
         def renew() -> None:
-            while not stop.wait(_RENEWAL):
-                bar.update(0)
+            is_last = False
+            while not is_last:
+                is_last = stop.wait(_RENEWAL)
+                if done.amount > 0.0:
+                    bar.set_description_str(what, refresh=False)
+                bar.update(done.amount - bar.n)
 
         clock = threading.Thread(target=renew, name="gearbow progress", daemon=True)
         clock.start()
         try:
-            yield bar
+            yield done
         finally:
             stop.set()
             clock.join()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import sys
 import threading
+import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import redirect_stderr
@@ -263,7 +264,8 @@ class TestEstimate:
         with _progress.reported(None, 100.0, "%", what="run", estimate=False) as report:
             assert report is None
 
-    def test_the_bar_shows_the_remaining_time_at_the_first_report(self):
+    def test_the_bar_shows_the_remaining_time_at_the_first_report(self, monkeypatch):
+        monkeypatch.setattr(_progress, "_RENEWAL", 0.01)
         with (
             redirect_stderr(io.StringIO()) as text,
             _progress.reported(True, 1e6, what="run") as report,
@@ -272,10 +274,35 @@ class TestEstimate:
                 # as if the first report came half a second after the start
                 bar.start_t -= 0.5
                 bar.last_print_t -= 0.5
+            start = text.getvalue()
             report(1e-9)
+            end = time.monotonic() + 10.0
+            while text.getvalue() == start and time.monotonic() < end:
+                time.sleep(0.01)
             shown = text.getvalue()
         assert "?" not in shown.rsplit("\r", 1)[-1]
         assert "/1e+06 s" in shown
+
+    def test_a_report_does_not_draw(self):
+        # an interrupt during a drawing would leave its lock taken, and the program would never end
+        held, over = threading.Event(), threading.Event()
+
+        def hold() -> None:
+            with tqdm.get_lock():
+                held.set()
+                over.wait(10.0)
+
+        with redirect_stderr(io.StringIO()), _progress.reported(True, 1.0, what="run") as report:
+            holder = threading.Thread(target=hold)
+            holder.start()
+            assert held.wait(10.0)
+            reporter = threading.Thread(target=report, args=(0.5,))
+            reporter.start()
+            reporter.join(2.0)
+            is_waiting = reporter.is_alive()
+            over.set()
+            holder.join()
+        assert not is_waiting
 
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
