@@ -296,6 +296,8 @@ class TestEstimate:
             holder = threading.Thread(target=hold)
             holder.start()
             assert held.wait(10.0)
+            for bar in tqdm._instances:
+                bar.last_print_t -= 0.5  # as if the last drawing were half a second ago
             reporter = threading.Thread(target=report, args=(0.5,))
             reporter.start()
             reporter.join(2.0)
