@@ -100,10 +100,8 @@ class _Done:
 
 @contextmanager
 def _bar(what: str, *, at_once: bool, **look: Any) -> Iterator[_Done]:
-    """Show a bar whose elapsed time goes on while the core reports nothing.
-
-    Only its clock draws: an interrupt of the main thread would leave the lock of a drawing taken.
-    """
+    """Show a bar whose elapsed time goes on while the core reports nothing."""
+    # Only its clock draws: an interrupt of the main thread would leave the lock of a drawing taken.
     from tqdm import tqdm  # noqa: PLC0415  # its import takes longer than that of gearbow
 
     class Bar(tqdm):  # type: ignore[type-arg]
