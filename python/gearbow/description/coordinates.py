@@ -261,6 +261,10 @@ class Coordinates(Shown):
             raise _missing(at, motion)
         return values[..., within.indices] @ within.factors[kind]
 
+    def bends(self, at: At) -> bool:
+        """Tell whether a place moves laterally: some shafts only twist."""
+        return (*self._node(at), "v") in self._indices
+
     def _index(self, at: At, direction: str, motion: str) -> int:
         index = self._indices.get((*self._node(at), direction))
         if index is None:

@@ -295,9 +295,10 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
             axial = float(self._data["axial_bearing_force"][i])
             rows.append((f"bearing {place_label((shaft, x))}", force, axial, moved[i], np.nan))
         directions = {direction for *_, direction in self.coordinates.dofs}
-        if "v" in directions:
-            bodies = [*self.coordinates.bodies, *self.coordinates.seats]
-            rows += [(n, np.nan, np.nan, self.displacement(n), np.nan) for n in bodies]
+        for name in filter(
+            self.coordinates.bends, (*self.coordinates.bodies, *self.coordinates.seats)
+        ):
+            rows.append((name, np.nan, np.nan, self.displacement(name), np.nan))
         displacements = np.array([row[3] for row in rows]).reshape(-1, 2)
         thrusts = np.array([row[2] for row in rows])
         largest = np.abs(np.nan_to_num(thrusts)).max(initial=0.0)

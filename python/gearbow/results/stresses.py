@@ -283,12 +283,13 @@ def _extremes(tones: Iterable[tuple[float, Any]], spin: float) -> tuple[Array, A
     turn = np.zeros((1, _INSTANTS))
     apart = np.zeros(1)
     for rate, value in merged.items():
-        order = rate / abs(spin) if spin != 0.0 else np.inf
         column = np.reshape(value, (-1, 1))
+        # A shaft at rest has no turn.
+        order = round(rate / abs(spin)) if spin != 0.0 else 0
         if rate <= _SAME * scale:
             turn = turn + np.real(column)
-        elif abs(order - round(order) if np.isfinite(order) else 1.0) <= _SAME * scale / abs(spin):
-            angles = 2.0 * np.pi * round(order) * np.arange(_INSTANTS) / _INSTANTS
+        elif abs(rate - order * abs(spin)) <= _SAME * scale:
+            angles = 2.0 * np.pi * order * np.arange(_INSTANTS) / _INSTANTS
             turn = turn + np.real(column * np.exp(1j * angles))
         else:
             apart = apart + np.abs(value)

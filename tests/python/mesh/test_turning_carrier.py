@@ -315,6 +315,18 @@ def test_in_a_bending_train_a_stage_couples_the_shafts_in_torsion():
         assert np.abs(found - frequency).min() < 1e-6 * frequency
 
 
+def test_tables_and_stresses_know_shafts_that_only_twist_and_a_ring_at_rest():
+    machine = gb.examples()["wind_turbine"]
+    train, speed = machine.load(), machine.speed
+    places = train.static(speed).to_dataframe()["place"]
+    assert "wheel 2" in set(places)
+    assert not {"ring", "planet 1"} & set(places)
+    stresses = train.stresses(speed).to_dataframe()
+    assert set(stresses["shaft"]) >= {"low speed", "ring mount"}
+    numbers = stresses.select_dtypes("number").drop(columns="utilisation", errors="ignore")
+    assert np.isfinite(numbers.to_numpy()).all()
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
