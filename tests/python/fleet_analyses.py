@@ -446,7 +446,8 @@ def check_branch(system: gb.RotorSystem, speed: float, branch: gb.Continuation) 
     assert branch.values[0] == pytest.approx(speed, rel=1e-12)
     assert branch.stable.shape == branch.values.shape
     name = places(system)[0]
-    alone = system.steady_state(float(branch.values[-1]), rtol=1e-9, record=[name]).response
+    # Losses of a free train slow it down, which a tolerance far below that of the motion notices.
+    alone = system.steady_state(float(branch.values[-1]), record=[name]).response
     values = alone.displacement(name)[:, 1] if lateral(system) else alone.twist(name)
     # the instants of the samples miss the extremes by 1e-3 of them
     expected = 0.5 * np.ptp(values)
