@@ -108,8 +108,8 @@ def _bar(what: str, *, at_once: bool, **look: Any) -> Iterator[_Done]:
         #: The clock draws often enough without the thread that tqdm starts for all its bars.
         monitor_interval = 0
 
-    # Show every report, because the remaining time changes without progress too. A bar that appears
-    # by itself disappears at the end.
+    # `miniters=0` draws without progress too, because the remaining time changes. A bar that
+    # appears by itself disappears at the end.
     delay = 0.0 if at_once else _DELAY
     stop, done = threading.Event(), _Done()
     with _deciding(what), Bar(miniters=0, delay=delay, leave=at_once, **look) as bar:

@@ -150,7 +150,7 @@ impl Couplings {
             let mut receptance = DMatrix::zeros(part.len(), part.len());
             for (j, column) in columns.iter().enumerate() {
                 for (i, motion) in motions.iter().enumerate() {
-                    // The coordinates of a combination have entries on the diagonal only, so that its receptances are symmetric.
+                    // Only diagonal entries act between the coordinates of a combination: its receptances are symmetric.
                     let is_symmetric = motion.entries.len() > 1 || motions[j].entries.len() > 1;
                     if i > j && is_symmetric {
                         continue;

@@ -10,10 +10,10 @@ import numpy as np
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
 from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
-from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
+from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.load_rating import load_for_hours, rating_of, ring_ratios
 from gearbow.description.loads import AnyBearing, Bearing
 from gearbow.description.places import (

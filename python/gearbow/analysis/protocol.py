@@ -126,9 +126,3 @@ def silent(system: System) -> dict[str, Any]:
             force if force.order is None else replace(force, value=0.0) for force in system.forces
         ],
     }
-
-
-def ratios_by_shaft(system: System) -> dict[str, float]:
-    """Give the signed speed of each shaft over that of the reference shaft by its name."""
-    names = [shaft.name for shaft in system.shafts]
-    return dict(zip(names, system.speed_ratios.tolist(), strict=True))

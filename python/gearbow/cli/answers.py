@@ -15,7 +15,7 @@ import numpy as np
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, replacing
 from gearbow._types import Array
-from gearbow.analysis.protocol import ratios_by_shaft, variant
+from gearbow.analysis.protocol import variant
 from gearbow.cli.arguments import (
     figure,
     is_run,
@@ -27,6 +27,7 @@ from gearbow.cli.arguments import (
     speed_line,
 )
 from gearbow.cli.systems import read_options, read_system, refuse_options, speed_of_file
+from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Force, Torque
 from gearbow.description.places import is_pair, is_place, place_label
 from gearbow.description.sources import MeshExcitation, Source

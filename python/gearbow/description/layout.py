@@ -83,6 +83,12 @@ class Order(Shown):
         return shown if more <= 0 else f"{shown} and {more} more"
 
 
+def ratios_by_shaft(system: Train) -> dict[str, float]:
+    """Give the signed speed of each shaft over that of the reference shaft by its name."""
+    names = [shaft.name for shaft in system.shafts]
+    return dict(zip(names, system.speed_ratios.tolist(), strict=True))
+
+
 def _shafts_of_bodies(system: Train) -> dict[str, str]:
     shafts = {gear.name: gear.shaft for gear in system.gears}
     return shafts | {disk.name: disk.shaft for disk in system.disks}
@@ -90,8 +96,7 @@ def _shafts_of_bodies(system: Train) -> dict[str, str]:
 
 def mesh_orders(system: Train) -> list[float]:
     """Give the tooth frequency of each mesh over the speed of the reference shaft."""
-    names = [shaft.name for shaft in system.shafts]
-    ratios = dict(zip(names, system.speed_ratios.tolist(), strict=True))
+    ratios = ratios_by_shaft(system)
     gears = {gear.name: gear for gear in system.gears}
     shafts = _shafts_of_bodies(system)
     found = []
@@ -106,8 +111,7 @@ def mesh_orders(system: Train) -> list[float]:
 
 def tooth_orders(system: Train) -> dict[str, float]:
     """Give the tooth frequency of each gear over the speed of the reference shaft by its name."""
-    names = [shaft.name for shaft in system.shafts]
-    ratios = dict(zip(names, system.speed_ratios.tolist(), strict=True))
+    ratios = ratios_by_shaft(system)
     found = {gear.name: gear.teeth * abs(ratios[gear.shaft]) for gear in system.gears}
     for mesh, order in zip(system.meshes, mesh_orders(system), strict=True):
         found[mesh.driver] = found[mesh.driven] = order
@@ -157,10 +161,7 @@ class Kinematics(Shown):
     @classmethod
     def of(cls, system: Train) -> "Kinematics":
         """Find the kinematics of a system."""
-        signed = {
-            shaft.name: float(ratio)
-            for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True)
-        }
+        signed = ratios_by_shaft(system)
         bodies = _shafts_of_bodies(system)
         meshes = [
             (mesh.driver, mesh.driven, bodies[mesh.driver], bodies[mesh.driven], order)

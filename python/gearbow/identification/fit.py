@@ -16,7 +16,7 @@ import numpy as np
 
 from gearbow._extras import extra
 from gearbow._types import Array, ComplexArray
-from gearbow.analysis.protocol import ratios_by_shaft
+from gearbow.description.layout import ratios_by_shaft
 from gearbow.errors import ConvergenceError, GearbowError
 from gearbow.identification.responses import LinearModel
 

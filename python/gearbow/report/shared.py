@@ -14,10 +14,9 @@ import numpy as np
 from gearbow._result import Column
 from gearbow._types import Array, Language
 from gearbow.analysis.bow_motion import with_elements_for
-from gearbow.analysis.protocol import ratios_by_shaft
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
-from gearbow.description.layout import tooth_orders
+from gearbow.description.layout import ratios_by_shaft, tooth_orders
 from gearbow.description.places import housing_and_interface, other_shaft
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable

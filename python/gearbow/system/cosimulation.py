@@ -200,7 +200,7 @@ class CoSimulation:
             initial["speed"] = plain_speed(self._profile(speeds))
         whole = now.final["origin"] + now.final["elapsed"]
         with warnings.catch_warnings():
-            # The beginning has shown what this system is warned of.
+            # The first run has given the warnings about this system.
             warnings.simplefilter("ignore", SceneWarning)
             warnings.simplefilter("ignore", AccuracyWarning)
             self._run(

@@ -11,8 +11,8 @@ from gearbow._lookup import one_of
 from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry
-from gearbow.analysis.protocol import System, ratios_by_shaft
-from gearbow.description.layout import Layout, layout, left_out
+from gearbow.analysis.protocol import System
+from gearbow.description.layout import Layout, layout, left_out, ratios_by_shaft
 from gearbow.description.loads import Bearing
 from gearbow.description.part import Part
 from gearbow.description.speed import SpeedTable

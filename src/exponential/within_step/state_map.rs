@@ -15,7 +15,7 @@ pub(in crate::exponential) struct StateMap {
     /// Values at the reference, which are zero for rates, then for each source the values of the synchronous motion at the phase
     /// zero and a quarter turn later.
     prescribed: Panel,
-    /// Scratch: factors of the columns of `prescribed`: one, then cosine and sine of the phase of each source.
+    /// Working memory: the factor of each column of `prescribed`: 1, then the cosine and sine of the phase of each source.
     factors: Vec<f64>,
     /// Scratch: gathered states, one after the other, and the values of their scalars.
     states: Vec<f64>,

@@ -249,7 +249,7 @@ def test_figure_and_table() -> None:
 
 
 def test_a_figure_of_many_shafts_is_as_wide_as_a_page() -> None:
-    # a report scales wider figures down until the numbers of neighbouring panels collide
+    # a report reduces wider figures to its page, so that numbers of neighbouring panels would overlap
     found = machines.hostile().stresses(30.0, endurance_limit=2e8, tensile_strength=6e8)
     figure = found.plot()
     assert figure.get_figwidth() <= 12.0

@@ -238,9 +238,9 @@ def hostile(**changes: Any) -> gb.RotorSystem:
 
 
 def mirrored(system: gb.RotorSystem) -> gb.RotorSystem:
-    """Turn around all of a hostile machine that has a sense: the image with y changed to -y.
+    """Make the mirror image of a hostile machine: every y becomes -y.
 
-    Rotation changes its sense as well: the image at the negative speed moves as the machine.
+    A mirror reverses rotations: at -Ω the image has the mirrored motion of the machine at Ω.
     """
 
     def turned(phasor: complex) -> complex:

@@ -92,7 +92,7 @@ def test_a_state_that_continues_a_run_needs_no_equation():
 
 
 def test_the_static_state_of_a_run_up_does_not_depend_on_earlier_runs():
-    # torques over the speed have their value at the highest speed, which differs between the runs
+    # the static state has the torque at the highest speed of the run, which differs between the runs
     def machine() -> gb.RotorSystem:
         over_speed = gb.SpeedTable([0.0, 300.0], [150.0, 20.0])
         torques = [gb.Torque(("input", 0.07), over_speed), gb.Torque(("output", 0.17), -60.0)]
