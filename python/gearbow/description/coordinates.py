@@ -263,7 +263,7 @@ class Coordinates(Shown):
 
     def bends(self, at: At) -> bool:
         """Tell whether a place moves laterally: some shafts only twist."""
-        return (*self._node(at), "v") in self._indices
+        return at in self.seats or (*self._node(at), "v") in self._indices
 
     def _index(self, at: At, direction: str, motion: str) -> int:
         index = self._indices.get((*self._node(at), direction))
