@@ -97,6 +97,7 @@ lint: lint-rust lint-python lint-files
 lint-rust: $(BIN)/python
 	cargo fmt --check
 	cargo clippy --locked --all-targets --features python -- -D warnings
+	cargo clippy --locked --manifest-path web/Cargo.toml --target-dir target -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --document-private-items --all-features
 
 lint-python: $(VENV)/.dev

@@ -4,11 +4,18 @@ It needs a Rust compiler with the target wasm32-unknown-unknown, the program was
 version of the crate, and the Python package plotly, whose script the page embeds:
 
     python web/build.py target/web/try.html
+
+A compiler without the target can build the standard library from its sources. Debian 12 has both
+(`apt install rustc-web cargo-web rust-web-src lld`); the environment then is
+
+    PATH=/usr/bin:$PATH RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
+    CARGO_UNSTABLE_BUILD_STD=std,panic_abort CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld
 """
 
 import argparse
 import base64
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -42,12 +49,13 @@ def missing() -> list[str]:
     """List what the build needs and does not find, with the way to get it."""
     found = []
     library = subprocess.run(
-        ["rustc", "--print", "target-libdir", "--target", TARGET],
+        [os.environ.get("RUSTC", "rustc"), "--print", "target-libdir", "--target", TARGET],
         capture_output=True,
         text=True,
         check=False,
     )
-    if library.returncode != 0 or not list(Path(library.stdout.strip()).glob("libcore-*")):
+    has_library = list(Path(library.stdout.strip()).glob("libcore-*"))
+    if not has_library and "CARGO_UNSTABLE_BUILD_STD" not in os.environ:
         found.append(
             f"the Rust target {TARGET}: `rustup target add {TARGET}`, or on Debian 13 and later "
             "`apt install rustc libstd-rust-dev-wasm32 lld`"

@@ -194,6 +194,7 @@ async function compute() {
     limitBow(layout);
     byId("warnings").replaceChildren(...layout.warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
     drawTrain(layout);
+    byId("bow-limits").hidden = true;
     const parts = [
       ["modes", () => {
         results.modes = asked(train, "modes", speed, MODE_COUNT);
@@ -223,8 +224,58 @@ async function compute() {
     train?.free();
     window.gearbowResults = results;
     byId("compute").disabled = false;
+    byId("report").disabled = results.modes === undefined;
+    byId("limits").disabled = byId("shaft").value === "";
     pending = false;
   }
+}
+
+/** Seeks the bow of the chosen shaft at which each mesh loses contact. */
+async function findLimits() {
+  if (pending) return;
+  pending = true;
+  byId("limits").disabled = true;
+  say("Seeking the largest bow …");
+  await drawn();
+  let train;
+  try {
+    const shaft = byId("shaft").value;
+    train = new wasm_bindgen.Train(byId("scene").value, JSON.stringify(UNITS), "", 0);
+    const found = asked(train, "bow_limits", shaft, byId("speed").value / RPM);
+    const text = (limit) => (limit.bow === null ? "none" : (limit.bow * 1e6).toPrecision(4));
+    tabulate("limit-table", ["mesh", `largest bow of ${shaft} [µm]`], found.map((limit) => [limit.mesh, text(limit)]));
+    byId("bow-limits").hidden = found.length === 0;
+    window.gearbowLimits = found;
+    say(found.length === 0 ? "This train has no teeth." : `Largest bow of ${shaft} found.`);
+  } catch (error) {
+    say(String(error.message ?? error), true);
+  } finally {
+    train?.free();
+    byId("limits").disabled = false;
+    pending = false;
+  }
+}
+
+/** Writes train and results into a page of its own, which needs no script. */
+async function saveReport() {
+  const escaped = (text) => text.replace(/[&<>]/g, (one) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;" })[one]);
+  const results = byId("results").cloneNode(true);
+  for (const part of [...results.querySelectorAll("[hidden]")]) part.remove();
+  for (const part of results.querySelectorAll(".plot")) {
+    const image = document.createElement("img");
+    image.src = await Plotly.toImage(byId(part.id), { format: "svg", width: 900, height: 450 });
+    image.alt = part.id;
+    part.replaceWith(image);
+  }
+  const at = `Speed of the reference shaft ${byId("speed").value} rpm; bow of ${byId("shaft").value || "the shafts as in the train"}, ${byId("bow-text").textContent}.`;
+  const style = document.querySelector("style").textContent;
+  const page = `<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Report of gearbow</title><style>${style}</style></head>`
+    + `<body><h1>Report of gearbow</h1><p>${escaped(at)}</p>${results.outerHTML}<h2>Train as TOML</h2><pre>${escaped(byId("scene").value)}</pre></body></html>`;
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([page], { type: "text/html" }));
+  link.download = "gearbow-report.html";
+  link.click();
+  URL.revokeObjectURL(link.href);
 }
 
 /** Lists the shafts, and keeps the choice. */
@@ -270,6 +321,8 @@ async function begin() {
   byId("example").append(...Object.keys(EXAMPLES).map((name) => new Option(name, name)));
   byId("example").addEventListener("change", (event) => { choose(event.target.value); compute(); });
   byId("compute").addEventListener("click", compute);
+  byId("limits").addEventListener("click", findLimits);
+  byId("report").addEventListener("click", saveReport);
   byId("shaft").addEventListener("change", () => { beginBow(); compute(); });
   byId("bow").addEventListener("input", showBow);
   byId("bow").addEventListener("change", compute);

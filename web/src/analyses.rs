@@ -3,8 +3,8 @@
 use gearbow::analysis::simulate::{self, Initial, Method, Options, RecordPlan, Request, sample_step};
 use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Threads};
 use gearbow::connection::MESH_CHANNELS;
-use gearbow::mesh::Geometry;
-use gearbow::modal::{CachedModel, Selection};
+use gearbow::mesh::{Geometry, Involute};
+use gearbow::modal::{CachedModel, ModeSelection};
 use gearbow::model::Model;
 use gearbow::motion::Speed;
 use gearbow::scene::{Node, Scene, SceneDescription};
@@ -16,6 +16,15 @@ use crate::units::Units;
 /// Most output times of a run: what a browser draws at once.
 const MAX_OUTPUT_TIMES: f64 = 4000.0;
 
+/// Amplitude of the bow whose response stands for that of any other one, m: the response is linear in the bow.
+const SMALL_BOW: f64 = 1e-6;
+
+/// Smallest displacement of gear centres relative to the bow that counts as motion, as in the package.
+const MIN_MOTION: f64 = 1e-3;
+
+/// Bisections for a limit of the bow: the error is 4 modules over 2 to this power.
+const BISECTIONS: usize = 40;
+
 /// A bow of one half wave, which replaces the bow of a shaft.
 pub struct Bow {
     /// Name of the shaft.
@@ -26,8 +35,19 @@ pub struct Bow {
 
 /// A checked and assembled train.
 pub struct Train {
+    /// The scene as it was read, with numbers in place of texts with units.
+    plain: toml::Value,
     description: SceneDescription,
     cached: CachedModel,
+}
+
+/// Largest bow of a shaft up to which the teeth of a mesh keep contact.
+#[derive(Serialize)]
+pub struct BowLimit {
+    /// Names of the gears.
+    mesh: String,
+    /// Bow in the middle of the shaft, m; none if the bow does not move the gears, or if four modules leave the teeth in contact.
+    bow: Option<f64>,
 }
 
 /// A piece of a shaft with its sleeves: position of its left end, length, and outer radii at both ends, m.
@@ -168,10 +188,15 @@ impl Train {
         if let Some(bow) = bow {
             replace_bow(&mut plain, bow)?;
         }
-        let description = SceneDescription::deserialize(plain).map_err(message)?;
+        Self::from_plain(plain)
+    }
+
+    /// Reads a scene without texts in place of numbers.
+    fn from_plain(plain: toml::Value) -> Result<Self, String> {
+        let description = SceneDescription::deserialize(plain.clone()).map_err(message)?;
         let resolved = analysis::resolve(&description, &Interrupt::default()).map_err(message)?;
         let model = Model::new(Scene::new(&resolved.description).map_err(message)?).map_err(message)?;
-        Ok(Self { description, cached: CachedModel::new(model) })
+        Ok(Self { plain, description, cached: CachedModel::new(model) })
     }
 
     /// Sizes of all parts.
@@ -226,7 +251,7 @@ impl Train {
 
     /// Modes of lowest frequency.
     pub fn modes(&self, speed: f64, count: usize) -> Result<Vec<ModeRow>, String> {
-        let modes = analysis::lowest_modes(&self.cached, speed, count, Selection::All).map_err(message)?;
+        let modes = analysis::lowest_modes(&self.cached, speed, count, ModeSelection::All).map_err(message)?;
         let row = |mode: &gearbow::modal::Mode| ModeRow {
             frequency_hz: mode.frequency_hz(),
             damping_ratio: mode.damping_ratio(),
@@ -269,7 +294,7 @@ impl Train {
         let (model, bodies) = (&self.cached.model, self.bodies());
         let mut semi_major_axes = vec![Vec::with_capacity(points); bodies.len()];
         for speed in &speeds {
-            let found = analysis::synchronous(&self.cached, *speed, ExcitationPart::Both).map_err(message)?;
+            let found = analysis::synchronous(&self.cached, *speed, ExcitationPart::All).map_err(message)?;
             for ((_, node), axes) in bodies.iter().zip(&mut semi_major_axes) {
                 let phasor = |index: usize| found[(index, node.shaft)];
                 axes.push(
@@ -292,7 +317,7 @@ impl Train {
         let duration = turns * std::f64::consts::TAU / (slowest * speed.abs());
         let requests = ["gears", "disks", "meshes"].map(|name| Request::Name(name.to_owned()));
         let plan = RecordPlan::new(model, &requests).map_err(message)?;
-        let count = (duration / sample_step(model, speed)).min(MAX_OUTPUT_TIMES).max(2.0) as usize;
+        let count = (duration / sample_step(model, speed)).clamp(2.0, MAX_OUTPUT_TIMES) as usize;
         let level = self.description.accuracy.unwrap_or_default().level();
         let options = Options {
             duration,
@@ -340,6 +365,72 @@ impl Train {
             steps: response.statistics.steps,
         })
     }
+
+    /// The bow of a shaft, one half wave, at which the contact ratio of each mesh falls to 1, at the worst angle of the bow
+    /// relative to everything else that turns.
+    pub fn bow_limits(&self, shaft: &str, speed: f64) -> Result<Vec<BowLimit>, String> {
+        let with_bow = |amplitude| {
+            let mut plain = self.plain.clone();
+            replace_bow(&mut plain, &Bow { shaft: shaft.to_owned(), amplitude })?;
+            Self::from_plain(plain)
+        };
+        let (straight, bent) = (with_bow(0.0)?, with_bow(SMALL_BOW)?);
+        let response = |train: &Self, part| analysis::synchronous(&train.cached, speed, part).map_err(message);
+        let (others, alone) = (response(&straight, ExcitationPart::All)?, response(&bent, ExcitationPart::Bow)?);
+        let rest = analysis::equilibrium(&straight.cached, Geometry::Live, speed).map_err(message)?;
+        let scene = &straight.cached.model.scene;
+        let column = scene.shafts.iter().position(|one| one.name == shaft).unwrap_or_default();
+        let limit = |(index, mesh): (usize, &gearbow::scene::Mesh)| {
+            let involute = Involute::new(mesh, &scene.gears);
+            let direction = involute.centres_at_rest().map(|component| component / mesh.centre_distance);
+            // Components of the displacement of the driven gear relative to that of the driver.
+            let moved = |train: &Self| {
+                let nodes = [mesh.driver, mesh.driven].map(|gear| train.cached.model.scene.gears[gear].body.node);
+                nodes.map(|node| train.cached.model.numbering.translation(node))
+            };
+            let [Some(from), Some(to)] = moved(&straight) else {
+                return BowLimit { mesh: straight.cached.model.gear_names(index).join("/"), bow: None };
+            };
+            let along = |phasors: &dyn Fn(usize) -> Complex64, [from, to]: [usize; 2]| {
+                (direction[0] * (phasors(to) - phasors(from)) + direction[1] * (phasors(to + 1) - phasors(from + 1)))
+                    .norm()
+            };
+            let every = (0..others.ncols()).map(|source| along(&|row| others[(row, source)], [from, to]));
+            let present: f64 = every.sum();
+            let of_bow = match moved(&bent) {
+                [Some(from), Some(to)] => along(&|row| alone[(row, column)], [from, to]) / SMALL_BOW,
+                _ => 0.0,
+            };
+            let excess = |bow: f64| {
+                let reach = present + bow * of_bow;
+                let ratio = |sign: f64| {
+                    let at = [0, 1].map(|axis| rest[to + axis] - rest[from + axis] + sign * reach * direction[axis]);
+                    involute.centres(at).map_or(0.0, |centres| centres.contact_ratio)
+                };
+                ratio(1.0).min(ratio(-1.0)) - 1.0
+            };
+            let gear = &scene.gears[mesh.driver];
+            let most = 8.0 * gear.pitch_radius / f64::from(gear.teeth);
+            BowLimit {
+                mesh: straight.cached.model.gear_names(index).join("/"),
+                bow: (of_bow > MIN_MOTION).then(|| end(excess, most)).flatten(),
+            }
+        };
+        Ok(scene.meshes.iter().enumerate().map(limit).collect())
+    }
+}
+
+/// Where a falling function becomes negative between zero and `most`; none if it does not.
+fn end(value: impl Fn(f64) -> f64, most: f64) -> Option<f64> {
+    let (mut low, mut high) = (0.0, most);
+    if value(high) > 0.0 {
+        return None;
+    }
+    for _ in 0..BISECTIONS {
+        let middle = (low + high) / 2.0;
+        *(if value(middle) > 0.0 { &mut low } else { &mut high }) = middle;
+    }
+    Some(low)
 }
 
 /// Half the longest diameter of the ellipse Re(p e^{iϑ}) of two phasors.

@@ -76,4 +76,12 @@ impl Train {
     pub fn run(&self, speed: f64, turns: f64) -> Result<String, JsError> {
         json(self.0.run(speed, turns))
     }
+
+    /// Largest bow of a shaft, m, up to which the teeth of each mesh keep contact at `speed`, rad/s.
+    ///
+    /// # Errors
+    /// The message of the analysis.
+    pub fn bow_limits(&self, shaft: &str, speed: f64) -> Result<String, JsError> {
+        json(self.0.bow_limits(shaft, speed))
+    }
 }

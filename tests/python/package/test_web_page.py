@@ -116,6 +116,52 @@ def test_a_bow_from_the_slider_moves_the_contact_ratio(page: Any) -> None:
     assert spread[1] - spread[0] > 1e-3
 
 
+def test_the_largest_bow_is_that_of_the_package(page: Any) -> None:
+    for name in ("double_stage_train", "idler_train"):
+        choose(page, name)
+        page.evaluate("delete window.gearbowResults")
+        page.evaluate("delete window.gearbowLimits")
+        page.evaluate("document.getElementById('shaft').selectedIndex = 1")
+        page.evaluate("document.getElementById('shaft').dispatchEvent(new Event('change'))")
+        wait(page)
+        page.evaluate("document.getElementById('limits').click()")
+        page.wait_for_function("window.gearbowLimits !== undefined", timeout=TIME_LIMIT)
+        found = page.evaluate("window.gearbowLimits")
+        system, shaft = gb.examples()[name].load(), page.input_value("#shaft")
+        speed = gb.rpm(float(page.input_value("#speed")))
+        limits = system.bow_limits(shaft, speed, shape=gb.Bow.half_sine(1e-4)).limits
+        expected = {one.at: one.bow for one in limits if one.limit == "contact ratio"}
+        assert [limit["mesh"] for limit in found] == list(expected)
+        for limit in found:
+            # The page adds the motions of all shafts; the package knows which angles go together.
+            bow = expected[limit["mesh"]]
+            if limit["bow"] is None:
+                assert bow > 4.0 * max(gear.module for gear in system.gears)
+            else:
+                assert limit["bow"] == pytest.approx(bow, rel=0.02)
+        assert any(limit["bow"] is not None for limit in found)
+        assert page.is_visible("#limit-table")
+
+
+def test_a_report_of_an_own_train_is_one_file(page: Any, tmp_path: Path) -> None:
+    choose(page, "geared_pair")
+    page.evaluate("delete window.gearbowResults")
+    page.fill("#scene", "# my own train\n" + page.input_value("#scene"))
+    page.click("#compute")
+    wait(page)
+    with page.expect_download() as download:
+        page.click("#report")
+    path = tmp_path / "report.html"
+    download.value.save_as(path)
+    text = path.read_text(encoding="utf-8")
+    assert "# my own train" in text
+    # the drawing, five plots, and twelve modes
+    assert text.count("<img") == 5
+    assert text.count("<tr>") >= 13
+    assert "<script" not in text
+    assert page.errors == []
+
+
 def test_a_wrong_entry_is_named(page: Any) -> None:
     page.evaluate("delete window.gearbowResults")
     page.fill("#scene", '[[shafts]]\nname = "a"\nlength = "90 kg"\nouter_diameter = 0.01\n')
