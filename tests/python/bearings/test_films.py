@@ -326,6 +326,35 @@ def test_five_pads_equal_an_independent_solution():
     np.testing.assert_allclose(dynamic.imag / speed / scale, found.damping / scale, atol=0.02)
 
 
+@pytest.mark.parametrize(
+    "row",
+    [
+        (0.756, 0.5, 1.94, 3.33),
+        (0.550, 0.6, 2.26, 3.21),
+        (0.381, 0.7, 2.65, 3.06),
+        (0.259, 0.8, 3.15, 3.01),
+        (0.168, 0.9, 3.72, 2.97),
+        (0.103, 1.0, 4.47, 2.99),
+        (0.0576, 1.1, 5.63, 3.11),
+    ],
+)
+def test_four_tilting_pads_have_the_coefficients_of_someya(row: tuple[float, ...]):
+    # Journal-Bearing Databook (1989), page 83: L/D 0.5, no preload, load between pads; the extent of
+    # the pads is not given with these numbers, and 80° is that with which the eccentricities agree
+    sommerfeld, ratio, stiffness, damping = row
+    pads: dict[str, Any] = {"pad_count": 4, "pad_extent": math.radians(80.0), "preload": 0.0}
+    bearing = gb.TiltingPadBearing("s", 0.0, **SIZE, **pads, reduced="synchronous")
+    speed = 300.0
+    load = load_at(sommerfeld, speed)
+    found = bearing.coefficients(load, speed)
+    assert found.eccentricity_ratio == pytest.approx(ratio, rel=0.01)
+    # the printed numbers have three digits, their slope is uneven by 3 %
+    k = found.stiffness * SIZE["clearance"] / load
+    b = found.damping * SIZE["clearance"] * speed / load
+    np.testing.assert_allclose(k, stiffness * np.eye(2), rtol=0.06, atol=1e-6)
+    np.testing.assert_allclose(b, damping * np.eye(2), rtol=0.03, atol=1e-6)
+
+
 def test_inertia_to_zero_gives_the_reduced_coefficients():
     bearing = gb.TiltingPadBearing("s", 0.0, **TILTING)
     load = load_at(0.5, 300.0)
