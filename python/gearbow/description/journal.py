@@ -510,9 +510,6 @@ class SqueezeFilm(Support):
     ----------
     name : str, optional
         Name, as that of a `Support`.
-    support : str or (str, str), optional
-        Name of the housing on which the film stands, or (elastic housing, interface). None: the
-        ground.
     mass : float
         Mass of the ring with what moves with it [kg]; a system needs a positive one.
     stiffness : float, pair or 2×2 array
@@ -525,6 +522,9 @@ class SqueezeFilm(Support):
         Damping to the ground or housing along the axis [N s/m].
     loss_factor : float
         Loss factor η of the centring spring.
+    support : str or (str, str), optional
+        Name of the housing on which the film stands, or (elastic housing, interface). None: the
+        ground.
     diameter : float
         Diameter of the ring [m].
     length : float

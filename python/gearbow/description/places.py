@@ -30,10 +30,6 @@ class Support(Part):
     name : str, optional
         Name, unique in the system. A support that several bearings share needs a name, and so does
         one whose motion is recorded.
-    support : str or (str, str), optional
-        Name of the housing on which the support stands, or (elastic housing, interface). Stiffness,
-        damping and film then act between the support and the place of its bearing on the housing,
-        with which it tilts. None: the support stands on the ground.
     mass : float
         Mass m [kg].
     stiffness : float, pair or 2×2 array
@@ -49,6 +45,10 @@ class Support(Part):
     loss_factor : float
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+    support : str or (str, str), optional
+        Name of the housing on which the support stands, or (elastic housing, interface). Stiffness,
+        damping and film then act between the support and the place of its bearing on the housing,
+        with which it tilts. None: the support stands on the ground.
 
     Examples
     --------
