@@ -98,8 +98,9 @@ def on_supports_of_a_housing() -> tuple[gb.RotorSystem, Attached]:
     """Return the rotor on a listed and an own support, both of which stand on the housing."""
     first = gb.Support("first", mass=3.0, stiffness=(4e6, 2e6), damping=150.0, support="box")
     own = gb.Support("second", mass=2.0, stiffness=5e6, support="box")
-    system = rotor("first", supports=[first])
-    bearings = [system.bearings[0], replace(system.bearings[1], support=own)]
+    system = rotor("box", housings=[HOUSING])
+    bases = zip(system.bearings, ["first", own], strict=True)
+    bearings = [replace(bearing, support=base) for bearing, base in bases]
     reference = Attached(
         train(), RigidBody(3.0), RigidBody(HOUSING.mass, HOUSING.inertia), RigidBody(2.0)
     )
@@ -112,7 +113,7 @@ def on_supports_of_a_housing() -> tuple[gb.RotorSystem, Attached]:
     reference.spring(reference.point(1), HOUSING.stiffness, np.diag(HOUSING.damping))
     rotational = [HOUSING.rotational_stiffness, HOUSING.rotational_damping]
     reference.spring(reference.rotations(1), *(np.diag(given) for given in rotational))
-    return system.replace(bearings=bearings, housings=[HOUSING]), reference
+    return system.replace(bearings=bearings, supports=[first]), reference
 
 
 CASES = pytest.mark.parametrize("make", [on_housing, on_supports, on_supports_of_a_housing])
@@ -372,9 +373,13 @@ def test_a_run_on_squeeze_films_of_a_housing_is_that_of_an_independent_model(rup
     plain = rotor("box", housings=[HOUSING])
     supports = [replace(ring, name=None), replace(ring, name="second")]
     bearings = [replace(b, support=s) for b, s in zip(plain.bearings, supports, strict=True)]
-    system = plain.replace(bearings=bearings, gravity=None)
+    # large enough that the film is squeezed far from its centre
+    unbalance = 20.0 * UNBALANCE
+    disk = replace(plain.disks[0], unbalance=unbalance)
+    system = plain.replace(disks=[disk], bearings=bearings, gravity=None)
+    rigid = [replace(train().rigid[0], unbalance=unbalance)]
     reference = Attached(
-        replace(train(), gravity=(0.0, 0.0)),
+        replace(train(), rigid=rigid, gravity=(0.0, 0.0)),
         RigidBody(HOUSING.mass, HOUSING.inertia),
         RigidBody(2.0),
         RigidBody(2.0),
@@ -408,7 +413,6 @@ def test_a_run_on_squeeze_films_of_a_housing_is_that_of_an_independent_model(rup
     solved = solve_ivp(rates, (0.0, 0.01), start, "DOP853", run.time, rtol=1e-8, atol=1e-13)
     q = solved.y[: reference.size].T
     moved = q @ films[1].T
-    # the film is squeezed far from its centre
     assert 0.2 < np.hypot(*moved.T).max() / size["clearance"] < 0.95
     box, second = run.displacement("box"), run.displacement("second")
     for found, rows in ((box, reference.point(0)), (second, reference.point(2))):
@@ -427,16 +431,16 @@ def test_a_light_support_on_a_stiff_spring_moves_along_and_tilts_with_its_housin
         thrust = gb.Force("wheel", 100.0 + 50j, axial=200.0)
         return plain.replace(bearings=[first, plain.bearings[1]], forces=[thrust])
 
-    # the spring has 4e-6 of the compliance of the bearing
-    between = gb.Support("ring", mass=1e-4, stiffness=1e12, support="box")
+    # the spring has 4e-4 of the compliance of the bearing
+    between = gb.Support("ring", mass=1e-2, stiffness=1e10, support="box")
     direct, light = held("box"), held(between)
     for name in ("box", "wheel"):
         one, other = (system.static() for system in (direct, light))
-        assert one.axial(name) == pytest.approx(other.axial(name), rel=1e-4)
-        assert one.displacement(name) == pytest.approx(other.displacement(name), rel=1e-4)
+        assert one.axial(name) == pytest.approx(other.axial(name), rel=1e-3)
+        assert one.displacement(name) == pytest.approx(other.displacement(name), rel=1e-3)
     assert direct.static().axial("box") == pytest.approx(200.0 / 2e6, rel=0.5)
     frequencies = [system.modes(count=10).frequencies_hz for system in (direct, light)]
-    assert frequencies[0] == pytest.approx(frequencies[1], rel=1e-4)
+    assert frequencies[0] == pytest.approx(frequencies[1], rel=1e-3)
     # with a spring along the axis, three are in series
     soft = held(replace(between, axial_stiffness=1e6)).static()
     stretch = soft.axial("ring") - soft.axial("box")
@@ -446,12 +450,12 @@ def test_a_light_support_on_a_stiff_spring_moves_along_and_tilts_with_its_housin
 
 def test_the_ground_moves_below_a_housing_not_below_its_supports():
     system, _ = on_supports_of_a_housing()
-    response = system.frequency_response([20.0], gb.GroundMotion(1e-3, under=["box"]))
+    response = system.frequency_response([20.0], source=gb.GroundMotion(1e-3, under=["box"]))
     assert np.abs(response.displacement("second")).max() > 1e-6
     with pytest.raises(
         gb.SceneError, match=r"source.*under\[0\]: nothing there stands on the ground"
     ):
-        system.frequency_response([20.0], gb.GroundMotion(1e-3, under=["second"]))
+        system.frequency_response([20.0], source=gb.GroundMotion(1e-3, under=["second"]))
 
 
 def test_a_figure_and_a_file_contain_a_support_on_a_housing(tmp_path: Any):
@@ -468,7 +472,7 @@ def test_a_figure_and_a_file_contain_a_support_on_a_housing(tmp_path: Any):
         ({"support": "bx"}, 'supports[0].support: no support or housing is called "bx"; did you'),
         ({"support": "other"}, "supports[0].support: a support stands on the ground or on a hous"),
         ({"support": ("box", "seat")}, 'supports[0].support: "box" is no elastic housing and has'),
-        ({"support": ("s", 0.1)}, "supports[0].support: must be the name of a housing, or"),
+        ({"support": ("s", 0.1)}, "supports[0].support[1]: must be text"),
         ({"support": 3.0}, "supports[0].support: must be text"),
     ],
 )
@@ -476,7 +480,7 @@ def test_an_invalid_base_of_a_support(changes: dict[str, Any], message: str):
     system, _ = on_supports_of_a_housing()
     other = gb.Support("other", mass=1.0, stiffness=1e6)
     supports = [replace(system.supports[0], **changes), other]
-    bearings = [system.bearings[0], replace(system.bearings[1], support="other")]
+    bearings = [*system.bearings, gb.Bearing("s", 0.4, stiffness=1e6, support="other")]
     with pytest.raises(gb.SceneError, match="^" + re.escape(message)):
         system.replace(supports=supports, bearings=bearings)
 
