@@ -12,6 +12,7 @@ use super::ExcitationPart;
 use super::synchronous::rotating_force;
 use crate::connection::Row;
 use crate::model::{Link, Model, PlaceRows, Support, coefficient};
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::description::{self, GroundQuantity, Place};
 use crate::scene::{EntryPath, Node, SceneError, nearest};
 
@@ -155,7 +156,7 @@ impl HarmonicSource {
             description::Source::Ground { quantity, value, axial, under } => {
                 let (value, axial) = (value.map(Complex64::from), Complex64::from(*axial));
                 let translation = translation(model, value, axial, &at)?;
-                let under = under.as_ref().map(|places| coordinates(model, places, &at)).transpose()?;
+                let under = under.as_ref().map(|places| coordinates(model, places, &translation, &at)).transpose()?;
                 Ok(Self::Ground(GroundMotion { quantity: *quantity, translation, under }))
             }
             description::Source::Shaft { shaft, excitation } => {
@@ -404,8 +405,13 @@ fn translation(
     Ok(translation)
 }
 
-/// Coordinates of bearings, supports and housings.
-fn coordinates(model: &Model, places: &[Place], at: &EntryPath<'_>) -> Result<BTreeSet<usize>, SceneError> {
+/// Coordinates of bearings, supports and housings that stand on the ground, of which the translation is given.
+fn coordinates(
+    model: &Model,
+    places: &[Place],
+    translation: &[Complex64],
+    at: &EntryPath<'_>,
+) -> Result<BTreeSet<usize>, SceneError> {
     let mut found = BTreeSet::new();
     let under = at.field("under");
     for (index, place) in places.iter().enumerate() {
@@ -413,8 +419,16 @@ fn coordinates(model: &Model, places: &[Place], at: &EntryPath<'_>) -> Result<BT
         let rows = model.place_rows(place, &entry)?;
         let own: Vec<usize> =
             rows.displacement.iter().flatten().chain(&rows.axial).flatten().map(|(index, _)| *index).collect();
-        let acts = elements(model).any(|element| element.rows.iter().flatten().any(|(index, _)| own.contains(index)));
-        if !acts {
+        // An element between two bodies does not stretch in a translation of both.
+        let stretches = |row: &Row| {
+            let parts = row.iter().map(|(index, factor)| (translation[*index] * *factor).norm()).sum::<f64>();
+            product(row, translation).norm() > EQUALITY_TOLERANCE * parts
+        };
+        let acts = |element: LinearElement<'_>| {
+            let moves = element.rows.iter().flatten().any(|(index, _)| own.contains(index));
+            moves && element.rows.iter().any(stretches)
+        };
+        if !elements(model).any(acts) {
             return Err(entry.error("nothing there stands on the ground; name a bearing, support or housing"));
         }
         found.extend(own);

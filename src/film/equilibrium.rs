@@ -1,7 +1,9 @@
 //! Displacement at which a film carries a given static load.
 
+use std::f64::consts::TAU;
+
 use super::Film;
-use crate::bearing_force::{BalanceSearch, BearingForce, Uncarried, Vector};
+use crate::bearing_force::{Balance, BalanceSearch, BearingForce, Uncarried, Vector};
 
 /// Largest residual force, relative to the load, of a result.
 pub(super) const MAX_RESIDUAL: f64 = 1e-6;
@@ -12,6 +14,10 @@ pub const MAX_ECCENTRICITY_RATIO: f64 = 0.99;
 /// Displacement across the pivot of a tilting pad with which its search starts, in clearances: right of the equilibrium, which is
 /// at 0.1 to 0.3 with a pivot in the middle.
 const START_WEDGE: f64 = 0.4;
+/// Distances from the centre, in clearances, and number of directions from that of the load, with which a search starts that finds
+/// nothing from the centre.
+const START_RATIOS: [f64; 3] = [0.3, 0.6, 0.8];
+const START_DIRECTIONS: usize = 8;
 /// A Newton step may use this part of the clearance that is left.
 pub(super) const CLEARANCE_SHARE: f64 = 0.8;
 
@@ -37,13 +43,28 @@ impl Film {
         // A tilting pad carries where its film narrows in the direction of rotation.
         let wedge = self.start_wedge(spin);
         let start = self.pivot().map_or([0.0; 2], |[y, z]| [-z * wedge, y * wedge]);
-        let found = search.from(start);
-        match self.nearness(found.displacement) {
-            ratio if found.residual <= MAX_RESIDUAL && ratio < MAX_ECCENTRICITY_RATIO => {
-                Ok((found.displacement, found.bearing))
-            }
-            ratio if ratio < TOUCHING_RATIO => Err(Uncarried::Unbalanced(found.residual)),
-            _ => Err(Uncarried::Touching),
+        let carries = |found: &Balance<2>| {
+            found.residual <= MAX_RESIDUAL && self.nearness(found.displacement) < MAX_ECCENTRICITY_RATIO
+        };
+        let first = search.from(start);
+        let others = || self.starts(load).map(|start| search.from(start)).find(carries);
+        match Some(first).filter(carries).or_else(others) {
+            Some(found) => Ok((found.displacement, found.bearing)),
+            None if self.nearness(first.displacement) < TOUCHING_RATIO => Err(Uncarried::Unbalanced(first.residual)),
+            None => Err(Uncarried::Touching),
         }
+    }
+
+    /// Other displacements, m, with which a search under a load starts: a film that widens along the rotation has no stiffness
+    /// near its centre. A tilting pad has none: the film of one that widens carries nothing.
+    fn starts(&self, load: Vector) -> impl Iterator<Item = Vector> {
+        let along = load[1].atan2(load[0]);
+        let place = move |number: usize| {
+            let (sin, cos) = (along + TAU * (number % START_DIRECTIONS) as f64 / START_DIRECTIONS as f64).sin_cos();
+            let radius = START_RATIOS[number / START_DIRECTIONS] * self.clearance;
+            [radius * cos, radius * sin]
+        };
+        let count = if self.pivot().is_some() { 0 } else { START_RATIOS.len() * START_DIRECTIONS };
+        (0..count).map(place).filter(|start| self.nearness(*start) < 1.0)
     }
 }

@@ -96,7 +96,6 @@ impl From<f64> for EquilibriumSpeeds {
 }
 
 /// Displacements q of the equilibrium. `model` belongs to the speed of its nonlinear bearings. Bow and unbalance rotate and are not included.
-/// The search begins at `start`, the equilibrium of another speed, if it is known.
 ///
 /// # Errors
 /// [`EquilibriumError`] if the load has no equilibrium, base circles overlap, a journal touches or carries no load, the
@@ -105,7 +104,6 @@ pub fn equilibrium(
     model: &Model,
     geometry: Geometry,
     speeds: EquilibriumSpeeds,
-    start: Option<&DVector<f64>>,
 ) -> Result<DVector<f64>, EquilibriumError> {
     let speed = speeds.flanks;
     model.check_speed(speed)?;
@@ -113,8 +111,7 @@ pub fn equilibrium(
     let null = null_motions(model, speed)?;
     check_balance(model, &null, &load, speed)?;
     let mut search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));
-    let near = start.and_then(|start| search.near(&load, start));
-    let q = near.map_or_else(|| search.run(&load), Ok).map_err(|error| check_rotation(model, speeds.film, error))?;
+    let q = search.run(&load).map_err(|error| check_rotation(model, speeds.film, error))?;
     let residuals = search.at_rest.residuals(&q)?;
     if residuals.iter().all(|residual| *residual <= MAX_RESIDUAL) { Ok(q) } else { Err(unconverged(model, &residuals)) }
 }
@@ -284,13 +281,6 @@ impl<'m> Search<'m> {
             }
         }
         Ok((if check_journals(model, &q, 0.0..1.0).is_ok() { q } else { zero }, flanks))
-    }
-
-    /// The equilibrium under `load` next to `start`; `None` if Newton's method does not find one.
-    fn near(&self, load: &DVector<f64>, start: &DVector<f64>) -> Option<DVector<f64>> {
-        let flanks = vec![Flank::Drive; self.at_rest.model.meshes.len()];
-        let pressed = pressed_flanks(&self.at_rest, &flanks, start).ok()?;
-        self.newton(load, (start.clone(), pressed)).ok().map(|(q, _)| q)
     }
 
     /// The equilibrium under `load`: from [`Self::start`], or where this fails, from the equilibria under parts of all loads that

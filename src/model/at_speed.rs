@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::link::{Link, axial_bearing_row, links, slope_rows};
+use super::link::{Link, axial_bearing_row, links, mount_rows, slope_rows};
 use super::{Model, Numbering, Support, bearing_rows};
 use crate::connection::{
     AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing, Tilt,
@@ -92,7 +92,8 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
         else {
             continue;
         };
-        let (rows, turning) = (vec![vec![(first, 1.0)], vec![(first + 1, 1.0)]], scene.shafts.len() + found.len());
+        let rows = mount_rows(scene, numbering, housing, first).into();
+        let turning = scene.shafts.len() + found.len();
         let law = BearingLaw::Film(Film::of_squeeze(squeeze));
         found.push(NonlinearBearing::new(number, rows, turning, [0.0; 2], law));
     }

@@ -6,7 +6,7 @@ use super::{Model, Numbering};
 use crate::connection::Row;
 use crate::linalg::BandOrder;
 use crate::scene::description::ElasticBody;
-use crate::scene::{Housing, HousingPoint, Node, Scene};
+use crate::scene::{Attachment, Housing, HousingPoint, Node, Scene};
 
 /// Inertia of the coordinates of all supports and housings.
 #[derive(Clone, Debug, Default)]
@@ -114,11 +114,21 @@ impl Model {
     }
 }
 
-/// Rotations of a point of a housing about z, Γ, and about y, −B, as entries over the coordinates; `None` if it does not rotate.
+/// Node and place of the housing on which a support stands; `None` for the ground.
+pub(super) fn base_of(scene: &Scene, housing: &Housing) -> Option<(Node, HousingPoint)> {
+    let Some(Attachment::Housing { housing, point }) = housing.attachment else { return None };
+    Some((Node { shaft: scene.shafts.len() + housing, node: 0 }, point))
+}
+
+/// Rotations of a point of a housing about z, Γ, and about y, −B, as entries over the coordinates; `None` if it does not rotate. A
+/// support rotates with the housing on which it stands.
 pub(super) fn slope_rows(scene: &Scene, numbering: &Numbering, node: Node, point: HousingPoint) -> Option<[Row; 2]> {
     let housing = &scene.housings[node.shaft - scene.shafts.len()];
     if let (Some(rows), Some(modes)) = (interface_rows(housing, point), numbering.modes(node)) {
         return Some([modal_row(&rows[5], modes.start, 1.0), modal_row(&rows[4], modes.start, -1.0)]);
+    }
+    if let Some((node, point)) = base_of(scene, housing) {
+        return slope_rows(scene, numbering, node, point);
     }
     let first = numbering.translation(node).filter(|_| housing.inertia.is_some())?;
     Some([vec![(first + 2, 1.0)], vec![(first + 3, 1.0)]])
@@ -137,11 +147,15 @@ pub(super) fn modal_row(row: &[f64], start: usize, sign: f64) -> Row {
 }
 
 /// Displacement along the axis of a point of a housing, u + B z − Γ y at the distance (x, y, z) from the centre of mass of a rigid
-/// one, as entries over the coordinates. It is empty in a scene without axial motion.
+/// one, as entries over the coordinates. It is empty in a scene without axial motion. A support without a coordinate of its own moves
+/// with the housing on which it stands.
 pub(super) fn axial_row(scene: &Scene, numbering: &Numbering, node: Node, point: HousingPoint) -> Row {
     let housing = &scene.housings[node.shaft - scene.shafts.len()];
     if let (Some(rows), Some(modes)) = (interface_rows(housing, point), numbering.modes(node)) {
         return if scene.axial { modal_row(&rows[0], modes.start, 1.0) } else { Row::new() };
+    }
+    if let (Some((node, point)), None) = (base_of(scene, housing), numbering.displacement_along(node)) {
+        return axial_row(scene, numbering, node, point);
     }
     let HousingPoint::Arm([_, y, z]) = point else { return Row::new() };
     let mut row: Row = numbering.displacement_along(node).map(|index| (index, 1.0)).into_iter().collect();

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::housing::{axial_row, modal_row, point_rows, slope_rows as housing_slopes};
+use super::housing::{axial_row, base_of, modal_row, point_rows, slope_rows as housing_slopes};
 use super::{Model, Numbering, Support};
 use crate::connection::Row;
 use crate::scene::description::ElasticBody;
@@ -177,7 +177,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
             springs(&housing.name, elastic, modes.start, &mut links);
         }
         if let Some(first) = numbering.translation(node) {
-            mounts(housing, first, numbering.displacement_along(node), &mut links);
+            mounts(scene, numbering, (housing, node), first, &mut links);
         }
     }
     for (number, coupling) in scene.couplings.iter().enumerate() {
@@ -273,9 +273,7 @@ pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> 
             point_rows(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, point)?
         }
     };
-    for (row, base) in rows.iter_mut().zip(base) {
-        row.extend(base.into_iter().map(|(index, coefficient)| (index, -coefficient)));
-    }
+    rows.iter_mut().zip(base).for_each(|(row, base)| subtract(row, base));
     Some(rows)
 }
 
@@ -330,10 +328,30 @@ fn springs(name: &str, elastic: &ElasticBody, start: usize, links: &mut Vec<Link
     }
 }
 
-/// Springs and dampers between a housing and the ground. `first` is the index of v, `along` that of u.
-fn mounts(housing: &Housing, first: usize, along: Option<usize>, links: &mut Vec<Link>) {
+/// Displacements (v, w) of a support or housing relative to what it stands on. `first` is the index of its v.
+pub(super) fn mount_rows(scene: &Scene, numbering: &Numbering, housing: &Housing, first: usize) -> [Row; 2] {
+    let mut rows = [vec![(first, 1.0)], vec![(first + 1, 1.0)]];
+    if let Some(base) = base_of(scene, housing).and_then(|(node, point)| point_rows(scene, numbering, node, point)) {
+        rows.iter_mut().zip(base).for_each(|(row, base)| subtract(row, base));
+    }
+    rows
+}
+
+/// Subtracts the entries of another row.
+fn subtract(row: &mut Row, other: Row) {
+    row.extend(other.into_iter().map(|(index, coefficient)| (index, -coefficient)));
+}
+
+/// Springs and dampers between a support or housing at a node and what it stands on. `first` is the index of v.
+fn mounts(
+    scene: &Scene,
+    numbering: &Numbering,
+    (housing, node): (&Housing, Node),
+    first: usize,
+    links: &mut Vec<Link>,
+) {
     let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
-    let rows = vec![vec![(first, 1.0)], vec![(first + 1, 1.0)]];
+    let rows = mount_rows(scene, numbering, housing, first).into();
     let name = format!("the mount of \"{}\"", housing.name);
     let mut push = |rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2| {
         links.push(Link::new(name.clone(), rows, stiffness, damping).with_loss_factor(housing.loss_factor));
@@ -347,7 +365,11 @@ fn mounts(housing: &Housing, first: usize, along: Option<usize>, links: &mut Vec
             push(vec![vec![(index, 1.0)]], single(k), single(c));
         }
     }
-    if let Some((index, [k, c])) = along.zip(housing.axial) {
-        push(vec![vec![(index, 1.0)]], single(k), single(c));
+    if let Some((index, [k, c])) = numbering.displacement_along(node).zip(housing.axial) {
+        let mut row = vec![(index, 1.0)];
+        if let Some((base, point)) = base_of(scene, housing) {
+            subtract(&mut row, axial_row(scene, numbering, base, point));
+        }
+        push(vec![row], single(k), single(c));
     }
 }

@@ -1,6 +1,6 @@
 //! What bearings stand on: supports, housings and other shafts, and where each bearing is attached to them.
 //!
-//! A support is a housing that does not rotate. The arms of the bearings follow from the positions of the shafts at rest.
+//! A support is a housing that does not rotate, and may itself stand on a housing. The arms of the bearings follow from the positions of the shafts at rest.
 
 use std::collections::BTreeMap;
 
@@ -25,11 +25,13 @@ pub struct Housing {
     pub inertia: Option<[f64; 3]>,
     /// Centre of mass (x, y, z), m; the origin is the left end of the first shaft.
     pub centre: [f64; 3],
-    /// Stiffness to the ground over (y, z), N/m.
+    /// The place of a housing on which a support stands; `None` for the ground.
+    pub attachment: Option<Attachment>,
+    /// Stiffness to the ground, or to the place where it stands, over (y, z), N/m.
     pub stiffness: Matrix2,
-    /// Damping to the ground over (y, z), N s/m.
+    /// Damping to the ground, or to the place where it stands, over (y, z), N s/m.
     pub damping: Matrix2,
-    /// Stiffness, N/m, and damping, N s/m, to the ground along the axis; `None` if it does not move along the axis.
+    /// Stiffness, N/m, and damping, N s/m, to the ground, or to the place where it stands, along the axis; `None` if it does not move along the axis.
     pub axial: Option<[f64; 2]>,
     /// Stiffness to the ground about x, y and z, N m/rad.
     pub rotational_stiffness: [f64; 3],
@@ -37,7 +39,7 @@ pub struct Housing {
     pub rotational_damping: [f64; 3],
     /// Loss factor η of the stiffness.
     pub loss_factor: f64,
-    /// The squeeze film between it and the ground.
+    /// The squeeze film between it and the ground or the place where it stands.
     pub squeeze: Option<Squeeze>,
     /// Names of the points whose motion can be recorded, with their distance (x, y, z) from the centre of mass, m.
     pub points: Vec<(String, [f64; 3])>,
@@ -107,14 +109,24 @@ pub(super) fn housings(system: &SceneDescription) -> Result<Vec<Housing>, SceneE
         }
     }
     for (list, index, name) in named_bases(system) {
-        let carries = |bearing: &description::Bearing| matches!(&bearing.support, Some(Base::Named(base) | Base::Interface(base, _)) if base == name);
-        if !system.bearings.iter().any(carries) {
+        let names = |base: &Base| matches!(base, Base::Named(base) | Base::Interface(base, _) if base == name);
+        let of_bearings = system.bearings.iter().filter_map(|bearing| bearing.support.as_ref());
+        if !of_bearings.chain(bases_of_supports(system)).any(names) {
             let message =
                 format!("no bearing stands on \"{name}\"; give gb.Bearing(..., support=\"{name}\"), or remove it");
             return Err(EntryPath::entry(list, index).error(message));
         }
     }
     Ok(found)
+}
+
+/// What the supports stand on.
+fn bases_of_supports(system: &SceneDescription) -> impl Iterator<Item = &Base> {
+    system
+        .supports
+        .iter()
+        .chain(own_supports(system).map(|(_, given)| given))
+        .filter_map(|given| given.support.as_deref())
 }
 
 /// The listed supports and housings: list, index and name of each.
@@ -125,60 +137,119 @@ fn named_bases(system: &SceneDescription) -> impl Iterator<Item = (&'static str,
     supports.chain(housings.map(|(index, given)| ("housings", index, given.name.as_str())))
 }
 
-/// Place of each bearing on its housing or on another shaft; `None` for a bearing on the ground.
+/// Place of each bearing on its housing or on another shaft; `None` for a bearing on the ground. Supports that stand on a housing
+/// receive their place on it.
 pub(super) fn attachments(
     system: &SceneDescription,
     names: &Names,
     shafts: &[Shaft],
     train: Train<'_>,
-    housings: &[Housing],
+    housings: &mut [Housing],
 ) -> Result<Vec<Option<Attachment>>, SceneError> {
     let shared = shared_places(system, names, shafts)?;
     let origins = origins(shafts, train, shared.iter().flatten());
     check_shared(&shared, shafts, &origins)?;
+    let mut seats = Vec::with_capacity(system.bearings.len());
+    for (index, bearing) in system.bearings.iter().enumerate() {
+        let shaft = names.shaft(&bearing.shaft, &EntryPath::entry("bearings", index).field("shaft"))?;
+        let radii = shafts[shaft].elements.iter().map(|element| element.outer_radius());
+        let [x, y, z] = origins[shaft];
+        seats.push(Seat { place: [x + bearing.position, y, z], radius: radii.fold(0.0, f64::max) });
+    }
     let mut own = system.supports.len() + system.housings.len();
     let attachment = |(index, bearing): (usize, &description::Bearing)| {
         let at = EntryPath::entry("bearings", index);
-        let housing = match &bearing.support {
-            None => return Ok(None),
-            Some(Base::Shaft(..)) => return Ok(shared[index].map(|[_, base]| Attachment::Shaft(base))),
+        match &bearing.support {
+            None => Ok(None),
+            Some(Base::Shaft(..)) => Ok(shared[index].map(|[_, base]| Attachment::Shaft(base))),
             Some(Base::Own(_)) => {
                 own += 1;
-                own - 1
+                Ok(Some(Attachment::Housing { housing: own - 1, point: HousingPoint::Arm([0.0; 3]) }))
             }
-            Some(Base::Named(name) | Base::Interface(name, _)) => {
-                let mut bases = named_bases(system);
-                bases.position(|(_, _, base)| base == name).ok_or_else(|| {
-                    let near = nearest(name, named_bases(system).map(|(_, _, base)| base));
-                    at.field("support").error(format!(
-                        "no support or housing is called \"{name}\"{near}; list it in supports= or housings=, or give (shaft, position) for a bearing on another shaft"
-                    ))
-                })?
+            Some(base) => seats[index].on(base, system, housings, &at.field("support")).map(Some),
+        }
+    };
+    let found = system.bearings.iter().enumerate().map(attachment).collect::<Result<Vec<_>, _>>()?;
+    for (index, given) in system.supports.iter().enumerate() {
+        let at = EntryPath::entry("supports", index);
+        housings[index].attachment = place_of_support((index, given), (&found, &seats), system, housings, &at)?;
+    }
+    let first = system.supports.len() + system.housings.len();
+    for (number, (bearing, given)) in own_supports(system).enumerate() {
+        let (index, entry) = (first + number, EntryPath::entry("bearings", bearing));
+        let at = entry.field("support");
+        housings[index].attachment = place_of_support((index, given), (&found, &seats), system, housings, &at)?;
+    }
+    Ok(found)
+}
+
+/// Place of a support, with its index among supports and housings, on the housing on which it stands; `None` for the ground. The
+/// bearings are given with their places.
+fn place_of_support(
+    (index, given): (usize, &description::Support),
+    (attachments, seats): (&[Option<Attachment>], &[Seat]),
+    system: &SceneDescription,
+    housings: &[Housing],
+    at: &EntryPath<'_>,
+) -> Result<Option<Attachment>, SceneError> {
+    let (Some(base), at) = (&given.support, at.field("support")) else { return Ok(None) };
+    let stands = |attachment: &Option<Attachment>| matches!(attachment, Some(Attachment::Housing { housing, .. }) if *housing == index);
+    let mut carried = attachments.iter().zip(seats).filter(|(attachment, _)| stands(attachment)).map(|(_, seat)| seat);
+    // A support carries one bearing at least.
+    let Some(seat) = carried.next() else { return Ok(None) };
+    if carried.any(|other| other.place != seat.place) {
+        let message = "carries bearings at several places, so that its place on the housing is unknown; give each bearing a support of its own";
+        return Err(at.error(message));
+    }
+    match seat.on(base, system, housings, &at)? {
+        Attachment::Housing { housing, .. } if housing < system.supports.len() => {
+            Err(at.error("a support stands on the ground or on a housing, not on a support; name one of housings="))
+        }
+        attachment => Ok(Some(attachment)),
+    }
+}
+
+/// A place (x, y, z), m, at which something stands on a housing, and the largest radius of the shaft there, m.
+struct Seat {
+    place: [f64; 3],
+    radius: f64,
+}
+
+impl Seat {
+    /// Its place on a listed support or housing.
+    fn on(
+        &self,
+        base: &Base,
+        system: &SceneDescription,
+        housings: &[Housing],
+        at: &EntryPath<'_>,
+    ) -> Result<Attachment, SceneError> {
+        let (name, interface) = match base {
+            Base::Named(name) => (name, None),
+            Base::Interface(name, interface) => (name, Some(interface.as_str())),
+            Base::Own(_) | Base::Shaft(..) => {
+                return Err(at.error("must be the name of a housing, or (housing, interface) of an elastic one"));
             }
         };
+        let housing = named_bases(system).position(|(_, _, known)| known == name).ok_or_else(|| {
+            let near = nearest(name, named_bases(system).map(|(_, _, known)| known));
+            at.error(format!(
+                "no support or housing is called \"{name}\"{near}; list it in supports= or housings=, or give (shaft, position) for a bearing on another shaft"
+            ))
+        })?;
         let body = &housings[housing];
-        let shaft = names.shaft(&bearing.shaft, &at.field("shaft"))?;
-        let [x, y, z] = origins[shaft];
-        let place = [x + bearing.position, y, z];
-        let interface = match &bearing.support {
-            Some(Base::Interface(_, name)) => Some(name.as_str()),
-            _ => None,
-        };
         if let Some(elastic) = &body.elastic {
-            let radii = shafts[shaft].elements.iter().map(|element| element.outer_radius());
-            let radius = radii.fold(0.0, f64::max);
-            let point = seat(elastic, interface, place, radius, &at.field("support"))?;
-            return Ok(Some(Attachment::Housing { housing, point }));
+            let point = seat(elastic, interface, self.place, self.radius, at)?;
+            return Ok(Attachment::Housing { housing, point });
         }
         if interface.is_some() {
             let message = format!("\"{}\" is no elastic housing and has no interfaces; name it alone", body.name);
-            return Err(at.field("support").error(message));
+            return Err(at.error(message));
         }
-        let arm = std::array::from_fn(|axis| place[axis] - body.centre[axis]);
+        let arm = std::array::from_fn(|axis| self.place[axis] - body.centre[axis]);
         let point = HousingPoint::Arm(if body.inertia.is_some() { arm } else { [0.0; 3] });
-        Ok(Some(Attachment::Housing { housing, point }))
-    };
-    system.bearings.iter().enumerate().map(attachment).collect()
+        Ok(Attachment::Housing { housing, point })
+    }
 }
 
 /// The interface of an elastic housing on which a bearing at a place, m, stands, within a radius of the shaft, m.
@@ -301,6 +372,7 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
         mass: mass(given.mass, at)?,
         inertia: None,
         centre: [0.0; 3],
+        attachment: None,
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
         axial: axial([given.axial_stiffness, given.axial_damping], at)?,
@@ -340,6 +412,7 @@ pub(super) fn pads(name: String, journal: &Journal) -> Option<Housing> {
         mass: 0.0,
         inertia: None,
         centre: [0.0; 3],
+        attachment: None,
         stiffness: [[0.0; 2]; 2],
         damping: [[0.0; 2]; 2],
         axial: None,
@@ -382,6 +455,7 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         mass: mass(given.mass, at)?,
         inertia: given.inertia,
         centre,
+        attachment: None,
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
         axial: axial([given.axial_stiffness, given.axial_damping], at)?,

@@ -185,8 +185,8 @@ impl Scene {
         let train = train::Train { gears: &gears, meshes: &meshes, couplings: &couplings };
         let speed_ratios = train::speed_ratios(system, &names, train)?;
         let torques = train::torques(system, &names, &shafts, train)?;
-        let housings = housing::housings(system)?;
-        let attachments = housing::attachments(system, &names, &shafts, train, &housings)?;
+        let mut housings = housing::housings(system)?;
+        let attachments = housing::attachments(system, &names, &shafts, train, &mut housings)?;
         let mut scene = Self {
             disks: disks(system, &names, &shafts)?,
             bearings: bearing::bearings(system, &names, &shafts, &attachments)?,

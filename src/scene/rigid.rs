@@ -73,6 +73,17 @@ impl Scene {
                 *rotational += own.tilting + (own.lateral + own.axial) * square;
             }
         }
+        // A support passes what it carries on to its housing.
+        for index in 0..carried.len() {
+            if let Some(Attachment::Housing { housing, point: HousingPoint::Arm(arm) }) =
+                self.housings[index].attachment
+            {
+                let own = carried[index].0;
+                let square: f64 = arm.iter().map(|distance| distance * distance).sum();
+                carried[housing].0 = carried[housing].0.plus(own);
+                carried[housing].1 += (own.lateral + own.axial) * square;
+            }
+        }
         for (housing, (own, rotational)) in self.housings.iter_mut().zip(carried) {
             housing.stiffness = limited(housing.stiffness, RIGID * own.lateral);
             housing.axial.iter_mut().for_each(|[stiffness, _]| limit(stiffness, own.axial));

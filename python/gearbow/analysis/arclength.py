@@ -210,6 +210,11 @@ class Settings:
     smallest: float = 1e-6
 
     @property
+    def interval(self) -> tuple[float, float]:
+        """Smallest and largest value of the interval."""
+        return min(self.begin, self.end), max(self.begin, self.end)
+
+    @property
     def span(self) -> float:
         """Length of the interval."""
         return abs(self.end - self.begin)
@@ -221,7 +226,7 @@ def branch(map_: Map, state: Array, settings: Settings) -> Iterator[BranchPoint]
     last = follower.first(state)
     yield last
     step = settings.first_step
-    low, high = sorted((settings.begin, settings.end))
+    low, high = settings.interval
     for _ in range(settings.max_points):
         found, step = follower.advance(last, step)
         ends = not low <= found.value <= high
@@ -264,7 +269,10 @@ class _Follower:
                 point, count = self.step(last, step)
                 if point.tangent @ last.tangent < _TURN and step > 16.0 * self.settings.smallest:
                     raise ConvergenceError("the branch turns too much")
-                self.observe(point, KINDS)
+                low, high = self.settings.interval
+                # The point at the bound replaces one beyond it.
+                if low <= point.value <= high:
+                    self.observe(point, KINDS)
             except GearbowError as error:
                 step /= 3.0
                 if step < self.settings.smallest:

@@ -503,8 +503,8 @@ class SqueezeFilm(Support):
     """A squeeze film damper below a bearing: a ring that does not turn, in an oil film.
 
     ``support=gb.SqueezeFilm(...)`` of a bearing puts its outer ring on the film, and the film on
-    the ground. Several bearings share one that is listed by its name in `supports`. The film
-    carries no static load: a centring spring does, `stiffness`.
+    the ground or, with `support`, on a housing. Several bearings share one that is listed by its
+    name in `supports`. The film carries no static load: a centring spring does, `stiffness`.
 
     Parameters
     ----------
@@ -517,11 +517,14 @@ class SqueezeFilm(Support):
     damping : float, pair or 2×2 array
         Damping beside that of the film [N s/m].
     axial_stiffness : float, optional
-        Stiffness to the ground along the axis [N/m], as that of a `Support`.
+        Stiffness to the ground or housing along the axis [N/m], as that of a `Support`.
     axial_damping : float
-        Damping to the ground along the axis [N s/m].
+        Damping to the ground or housing along the axis [N s/m].
     loss_factor : float
         Loss factor η of the centring spring.
+    support : str or (str, str), optional
+        Name of the housing on which the film stands, or (elastic housing, interface). None: the
+        ground.
     diameter : float
         Diameter of the ring [m].
     length : float

@@ -21,7 +21,9 @@ from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.loads import AnyBearing, Coupling, Force
 from gearbow.description.places import (
     Housing,
+    Support,
     housing_and_interface,
+    name_of_housing,
     other_shaft,
     place_label,
 )
@@ -484,6 +486,7 @@ def layout(
     *,
     centre_distances: Sequence[float],
     couplings: Sequence[Coupling] = (),
+    supports: Sequence[Support] = (),
     housings: Sequence[Housing] = (),
     sleeves: Sequence[Sleeve] = (),
 ) -> Layout:
@@ -521,27 +524,34 @@ def layout(
         for body in given
     )
     bearing_places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
-    return Layout(outlines, bodies, bearing_places, tuple(_bases(outlines, bearings, housings)))
+    return Layout(
+        outlines, bodies, bearing_places, tuple(_bases(outlines, bearings, (supports, housings)))
+    )
 
 
 def _bases(
     shafts: Sequence[ShaftOutline],
     bearings: Sequence[AnyBearing],
-    housings: Sequence[Housing],
+    bases: tuple[Sequence[Support], Sequence[Housing]],
 ) -> Iterator[BaseOutline]:
     """Give the supports and housings; a support is at the middle of its bearings."""
+    supports, housings = bases
+    listed = {support.name: support for support in supports}
     origins = {shaft.name: shaft.origin for shaft in shafts}
     feet: dict[str, list[tuple[str, float]]] = {}
     carried: dict[str, float] = {}
     for bearing in bearings:
-        base = bearing.support
-        seat = housing_and_interface(base)
-        if seat is not None:
-            carried[seat[1]] = float(bearing.position)
-        name = base if isinstance(base, str) else getattr(base, "name", None)
-        name = name if seat is None else seat[0]
-        if name is not None:
-            feet.setdefault(name, []).append((bearing.shaft, float(bearing.position)))
+        base: Any = bearing.support
+        base = listed.get(base, base) if isinstance(base, str) else base
+        under: list[Any] = [base]
+        if isinstance(base, Support):
+            under = [base.name, base.support]
+        for each in under:
+            seat, name = housing_and_interface(each), name_of_housing(each)
+            if seat is not None:
+                carried[seat[1]] = float(bearing.position)
+            if name is not None:
+                feet.setdefault(name, []).append((bearing.shaft, float(bearing.position)))
     centres: dict[str, Array] = {
         housing.name: np.array(housing.position, dtype=np.float64) for housing in housings
     }

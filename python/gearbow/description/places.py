@@ -19,7 +19,7 @@ from gearbow.units.values import is_quantity
 
 @dataclass(frozen=True)
 class Support(Part):
-    """A mass on a spring and a damper, between one or more bearings and the ground.
+    """A mass on a spring and a damper, between one or more bearings and the ground or a housing.
 
     A support adds two coordinates, its displacements v and w, and with `axial_stiffness` its axial
     displacement u. `Bearing(support=...)` takes a support, or the name of one in the argument
@@ -33,18 +33,22 @@ class Support(Part):
     mass : float
         Mass m [kg].
     stiffness : float, pair or 2×2 array
-        Stiffness to the ground [N/m]: a number for every direction, (yy, zz), or
+        Stiffness to the ground or housing [N/m]: a number for every direction, (yy, zz), or
         [[yy, yz], [zy, zz]].
     damping : float, pair or 2×2 array
-        Damping to the ground [N s/m], in the same forms.
+        Damping to the ground or housing [N s/m], in the same forms.
     axial_stiffness : float, optional
-        Stiffness to the ground along the axis [N/m]; it acts in a system with axial motion. None:
-        the support does not move along the axis.
+        Stiffness to the ground or housing along the axis [N/m]; it acts in a system with axial
+        motion. None: the support does not move along the axis relative to the ground or housing.
     axial_damping : float
-        Damping to the ground along the axis [N s/m].
+        Damping to the ground or housing along the axis [N s/m].
     loss_factor : float
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+    support : str or (str, str), optional
+        Name of the housing on which the support stands, or (elastic housing, interface). Stiffness,
+        damping and film then act between the support and the place of its bearing on the housing,
+        with which it tilts. None: the support stands on the ground.
 
     Examples
     --------
@@ -61,12 +65,13 @@ class Support(Part):
     axial_stiffness: float | None = None
     axial_damping: float = 0.0
     loss_factor: float = 0.0
+    support: str | tuple[str, str] | None = None
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Support":
         """Make a support, or the subclass that has a field which only it has."""
         own = [kind for kind in cls.__subclasses__() if "viscosity" in description]
-        return (own[0] if own else cls)(**description)
+        return (own[0] if own else cls)(**with_support(description))
 
 
 #: What a bearing stands on: the name of a support or housing, a support, (shaft, position [m]), or
@@ -90,9 +95,15 @@ def housing_and_interface(base: object) -> tuple[str, str] | None:
     return housing, interface
 
 
-def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
-    """Replace the description of what a bearing stands on by the support or the place."""
-    given = dict(bearing)
+def name_of_housing(base: object) -> str | None:
+    """Give the name of the housing on which a support or interface stands; None for the ground."""
+    seat = housing_and_interface(base)
+    return seat[0] if seat is not None else base if isinstance(base, str) else None
+
+
+def with_support(part: Mapping[str, Plain]) -> dict[str, Any]:
+    """Replace the description of what a part stands on by the support or the place."""
+    given = dict(part)
     base = given.get("support")
     if isinstance(base, Mapping):
         given["support"] = Support._from_description(base)

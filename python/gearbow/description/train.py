@@ -74,6 +74,7 @@ class Train(ReadOnly):
                 *(parts[key] for key in lists),
                 centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(description)],
                 couplings=parts["couplings"],
+                supports=parts["supports"],
                 housings=parts["housings"],
                 sleeves=parts["sleeves"],
             ),

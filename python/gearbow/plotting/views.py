@@ -17,7 +17,7 @@ from gearbow.description.layout import (
     ShaftOutline,
     Step,
 )
-from gearbow.description.places import housing_and_interface
+from gearbow.description.places import Support, housing_and_interface, name_of_housing
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.labels import Box, Labels, Place, around, series
@@ -117,7 +117,7 @@ class SideView:
             housing.name: [] for housing in self.train.parts["housings"]
         }
         for part in self.train.parts["bearings"]:
-            shaft, base = self.train.layout.shaft(part.shaft), _without_interface(part.support)
+            shaft, base = self.train.layout.shaft(part.shaft), self._base(part)
             x = float(shaft.origin[0]) + part.position
             radius = shaft.outer_radius(part.position)
             if isinstance(base, tuple):  # on the surface of the inner one of two shafts
@@ -137,10 +137,25 @@ class SideView:
                 yield foot
                 if name is not None:
                     labels.add(name, around(((1, 0), (-1, 0), (0, -1)), foot))
+                under = name_of_housing(base.support)
+                if under is not None:
+                    housings[under].append(foot)
+                    continue
             yield symbols.ground(panel, x, foot[1], point)
         for name, feet in housings.items():
             if feet:
                 self._housing(labels, name, feet)
+
+    def _base(self, bearing: Any) -> Any:
+        """Give the base of a bearing: a support, the name of a housing or the place of a shaft."""
+        base, supports = bearing.support, self.train.parts["supports"]
+        named = next((each for each in supports if each.name == base), None)
+        return _without_interface(base) if named is None else named
+
+    def _stands_on(self, bearing: Any, housing: str) -> bool:
+        """Tell whether a bearing or its support stands on a housing."""
+        base = self._base(bearing)
+        return housing == (name_of_housing(base.support) if isinstance(base, Support) else base)
 
     def _housing(self, labels: Labels, name: str, feet: list[Box]) -> None:
         """Draw a grey area behind the bearings of a housing."""
@@ -149,7 +164,7 @@ class SideView:
         left, bottom = edges[:, 0].min() - margin, edges[:, 1].min() - margin
         right = edges[:, 2].max() + margin
         bearings = self.train.parts["bearings"]
-        shafts = {part.shaft for part in bearings if _without_interface(part.support) == name}
+        shafts = {part.shaft for part in bearings if self._stands_on(part, name)}
         top = max(box[3] for shaft in shafts for box in self._own(self.train.layout.shaft(shaft)))
         top = max(top, edges[:, 3].max()) + margin
         (base,) = (each for each in self.train.layout.bases if each.name == name)

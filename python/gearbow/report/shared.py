@@ -17,7 +17,7 @@ from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.description.bow import Bow, amplitude_of, scaled
 from gearbow.description.bow_limit import BowLimit
 from gearbow.description.layout import ratios_by_shaft, tooth_orders
-from gearbow.description.places import housing_and_interface, other_shaft
+from gearbow.description.places import Support, housing_and_interface, other_shaft
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
@@ -137,7 +137,11 @@ class Contents:
         """Names of the places that stand for sensors of the housings."""
         # Points of a rigid housing, or its name; interfaces of an elastic one without bearing and
         # spring, or all of them.
-        carrying = {housing_and_interface(bearing.support) for bearing in self.system.bearings}
+        bases: list[Any] = [bearing.support for bearing in self.system.bearings]
+        bases += [
+            base.support for base in (*bases, *self.system.supports) if isinstance(base, Support)
+        ]
+        carrying = {housing_and_interface(base) for base in bases}
         names: list[str] = []
         for housing in self.system.housings:
             if housing.elastic is None:

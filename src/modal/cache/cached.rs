@@ -244,12 +244,7 @@ impl CachedModel {
         }
         self.model.check_speed(speed)?;
         let model = self.model.with_tables_at(speed)?;
-        let model = if model.is_at_speed(speed) {
-            Self::new(model)
-        } else {
-            let previous = self.at_speeds.last().and_then(|known| known.equilibria.last());
-            at_equilibrium(model, speed, previous.as_ref())?
-        };
+        let model = if model.is_at_speed(speed) { Self::new(model) } else { at_equilibrium(model, speed)? };
         model.nominal.get_or_init(|| Arc::clone(self.nominal.get_or_init(|| Arc::new(self.nominal_at(&model.model)))));
         model.linear_part.get_or_init(|| self.linear_part().at_speed(speed));
         let model = Arc::new(model);
@@ -355,7 +350,7 @@ impl CachedModel {
     /// As [`equilibrium`].
     pub fn equilibrium(&self, geometry: Geometry, speeds: EquilibriumSpeeds) -> Result<DVector<f64>, EquilibriumError> {
         let key = EquilibriumKey { geometry, speeds };
-        self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds, None))
+        self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds))
     }
 
     /// The results that runs of this model share, in a type of a later folder.
@@ -667,11 +662,10 @@ impl CachedModel {
     }
 }
 
-/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps. The
-/// search begins at `start`, the equilibrium of another speed, if it is known.
-fn at_equilibrium(model: Model, speed: f64, start: Option<&DVector<f64>>) -> Result<CachedModel, EquilibriumError> {
+/// The model with the coefficients of its nonlinear bearings at the static equilibrium at a speed, rad/s, which it keeps.
+fn at_equilibrium(model: Model, speed: f64) -> Result<CachedModel, EquilibriumError> {
     let model = model.with_initial_operating_points();
-    let q = equilibrium(&model, Geometry::Live, speed.into(), start)?;
+    let q = equilibrium(&model, Geometry::Live, speed.into())?;
     let cached = CachedModel::new(model.with_operating_points_at(speed, q.as_slice()));
     cached.equilibria.insert(EquilibriumKey { geometry: Geometry::Live, speeds: speed.into() }, q);
     Ok(cached)

@@ -45,11 +45,6 @@ impl<K: PartialEq, V: Clone, const CAPACITY: usize> Recent<K, V, CAPACITY> {
         self.get_or_try(key, || Ok::<V, Infallible>(compute())).unwrap_or_else(|never| match never {})
     }
 
-    /// The result that was used last.
-    pub fn last(&self) -> Option<V> {
-        self.lock().last().map(|(_, value)| value.clone())
-    }
-
     /// Keeps a result; the one that was not used for the longest time makes room.
     pub fn insert(&self, key: K, value: V) {
         let mut list = self.lock();

@@ -9,18 +9,21 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Coefficient, FilmModel};
 
-/// A mass on a spring and a damper between a bearing and the ground.
+/// A mass on a spring and a damper between a bearing and the ground or a housing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Support {
     /// Name; unique in the system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// The housing on which it stands; the ground without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<Box<Base>>,
     /// Mass, kg.
     pub mass: f64,
-    /// Stiffness to the ground over (y, z), N/m.
+    /// Stiffness to the ground or housing over (y, z), N/m.
     pub stiffness: Coefficient,
-    /// Damping to the ground over (y, z), N s/m.
+    /// Damping to the ground or housing over (y, z), N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<Coefficient>,
     /// Diameter of the ring in a squeeze film, m.
@@ -41,10 +44,10 @@ pub struct Support {
     /// Whether a squeeze film ruptures (π film, the default) or not (2π film).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<bool>,
-    /// Stiffness to the ground along the axis, N/m; without it, the support does not move along the axis.
+    /// Stiffness to the ground or housing along the axis, N/m; without it, the support does not move along the axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_stiffness: Option<f64>,
-    /// Damping to the ground along the axis, N s/m.
+    /// Damping to the ground or housing along the axis, N s/m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_damping: Option<f64>,
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.

@@ -264,7 +264,8 @@ def test_a_run_beside_the_full_matrices() -> None:
     assert np.abs(run.displacement("sensor")[:, 0] - values[sensor]).max() < 3e-3 * largest
 
 
-def test_a_stiff_housing_is_a_rigid_one() -> None:
+@pytest.mark.parametrize("film", [False, True])
+def test_a_stiff_housing_is_a_rigid_one(film: bool) -> None:
     """A free body with no modes below 30 kHz moves as the rigid body of its mass and inertia."""
     mass, inertia = 40.0, (1.0, 2.0, 2.5)
     centre = np.array([0.3, 0.0, 0.1])
@@ -299,6 +300,18 @@ def test_a_stiff_housing_is_a_rigid_one() -> None:
     seated = _rotor(elastic, gravity=None)
     bearings = [replace(bearing, support="housing") for bearing in seated.bearings]
     systems = [seated, seated.replace(housings=[rigid], bearings=bearings)]
+    if film:
+        size = {"diameter": 0.1, "length": 0.02, "clearance": 1e-4, "viscosity": 0.02}
+
+        def on_films(system: gb.RotorSystem) -> gb.RotorSystem:
+            ring = gb.SqueezeFilm(mass=2.0, stiffness=5e6, **size)
+            changed = [
+                replace(each, support=replace(ring, support=each.support))
+                for each in system.bearings
+            ]
+            return system.replace(bearings=changed)
+
+        systems = [on_films(system) for system in systems]
     one, other = (system.modes(200.0, count=16) for system in systems)
     assert one.frequencies_hz == pytest.approx(other.frequencies_hz, rel=1e-6)
     one, other = (system.synchronous([200.0]).acceleration("sensor") for system in systems)

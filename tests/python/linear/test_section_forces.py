@@ -13,6 +13,8 @@ from scipy.integrate import cumulative_simpson
 import gearbow as gb
 from gearbow._types import Array
 from reference import machines
+from reference.elements import Section
+from reference.train import ShaftPart, ShaftSpec, Train
 
 E, RHO = 211e9, 7810.0
 G = 9.80665
@@ -284,6 +286,62 @@ def test_forces_of_both_sides_of_a_cut_balance(speed: float) -> None:
     for meshed in (("g1", "g2", "g3"), ("g4", "g5")):
         total = sum(teeth[name] for name in meshed)
         assert np.abs(total).max() < 1e-9 * largest, meshed
+
+
+@pytest.mark.parametrize("speed", [120.0, -120.0])
+def test_harmonic_forces_and_moments_balance_on_both_sides_of_a_cut(speed: float) -> None:
+    """Newton's laws of every element of the hostile machine, by element matrices of another program.
+
+    The ends of an element carry its inertia, damping, gyroscopic and elastic forces. Moments of both
+    sides of a node are equal where no gear stands.
+    """
+    system, frequency = machines.hostile(), 900.0
+    sources = [gb.Force("g4", (100.0 + 50j, -30j)), gb.Torque("g5", 40.0)]
+    response = system.frequency_response([frequency], source=sources, speed=speed)
+    geared = {(gear.shaft, gear.position) for gear in system.gears}
+    loaded = {*geared, *((b.shaft, b.position) for b in system.bearings)}
+    loaded |= {b.support for b in system.bearings if isinstance(b.support, tuple)}
+    loaded |= {torque.at for torque in system.torques if isinstance(torque.at, tuple)}
+    alpha, beta = system.rayleigh or (0.0, 0.0)
+    checked = 0
+    for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True):
+        material = shaft.material
+        section = Section(
+            shaft.outer_diameter,
+            material.youngs_modulus,
+            material.shear_modulus
+            or material.youngs_modulus / 2.0 / (1.0 + material.poisson_ratio),
+            material.density,
+            shaft.inner_diameter,
+        )
+        nodes = sorted({x for name, x, _ in system.dofs if name == shaft.name})
+
+        def motion(x: float, name: str = shaft.name) -> Any:
+            at = [system.dofs.index((name, x, c)) for c in ("v", "w", "B", "G", "twist")]
+            return response._motion[0][:, at]
+
+        def section_force(x: float, side: Any, name: str = shaft.name) -> Any:
+            # the order of the coordinates: forces along y and z, moments about y, z and x
+            return response.section_forces((name, x), side).values[0][:, 1:]
+
+        ends = [(section_force(x, "before"), section_force(x, "beyond")) for x in nodes]
+        size = np.max([np.abs(each) for each in ends], axis=(0, 1, 2))
+        for (a, b), (start, end) in zip(pairwise(nodes), pairwise(ends), strict=True):
+            free = Train([ShaftSpec(shaft.name, [ShaftPart(b - a, section)], float(ratio))])
+            stiffness, _ = free.linear()
+            damping = alpha * free.mass + beta * stiffness + speed * free.gyroscopic
+            dynamic = stiffness + 1j * frequency * damping - frequency**2 * free.mass
+            force = np.hstack([motion(a), motion(b)]) @ dynamic.T
+            found = np.hstack([-start[1], end[0]])
+            assert (np.abs(force - found) <= 1e-9 * np.tile(size, 2)).all(), (shaft.name, a)
+            checked += 1
+        for x, (before, beyond) in zip(nodes[1:-1], ends[1:-1], strict=True):
+            jump = np.abs(beyond - before)
+            if (shaft.name, x) not in geared:
+                assert (jump[:, 2:4] <= 1e-9 * size[2:4]).all(), (shaft.name, x)
+            if (shaft.name, x) not in loaded:
+                assert (jump <= 1e-9 * size).all(), (shaft.name, x)
+    assert checked >= 11
 
 
 def test_power_through_a_cut_changes_the_energy_beyond_it() -> None:

@@ -151,3 +151,45 @@ def test_a_variation_has_the_reduction_of_its_own_kind_of_run():
         return found[0] + found[1]
 
     assert runs(True) == runs(False)
+
+
+SIZE = {"diameter": 0.06, "length": 0.03, "clearance": 9e-5, "viscosity": 0.01}
+#: Bearings with coefficients of each speed.
+BEARINGS: dict[str, Callable[[float], Any]] = {
+    **{
+        profile: lambda x, profile=profile: gb.JournalBearing("s", x, **SIZE, profile=profile)
+        for profile in ("plain", "two axial grooves", "lemon", "offset", "three-lobe", "four-lobe")
+    },
+    "tilting pads": lambda x: gb.TiltingPadBearing("s", x, **SIZE, pad_count=5, pad_inertia=1e-5),
+    "balls": lambda x: gb.RollingBearing("s", x, "6212", clearance=1e-5),
+    "table": lambda x: gb.Bearing(
+        "s", x, stiffness=gb.SpeedTable([0.0, 700.0], [1e7, 2e7]), damping=1e3
+    ),
+}
+
+
+@pytest.mark.filterwarnings("ignore:.* is unstable at:gearbow.AccuracyWarning")
+@pytest.mark.parametrize("kind", BEARINGS)
+@pytest.mark.parametrize("speed", [300.0, -300.0])
+def test_results_of_a_speed_do_not_depend_on_the_speeds_before(kind: str, speed: float):
+    system = gb.RotorSystem(
+        [gb.Shaft("s", length=0.8, outer_diameter=0.06, elements=4, bow=gb.Bow.half_sine(1e-6))],
+        disks=[gb.Disk("d", "s", 0.4, mass=15.0, diametral_inertia=0.1, polar_inertia=0.2)],
+        bearings=[BEARINGS[kind](x) for x in (0.1, 0.7)],
+        gravity=9.81,
+        modal_damping=0.005,
+        motion="lateral",
+    )
+
+    def after(*earlier: float) -> bytes:
+        fresh = gb.RotorSystem.from_dict(system.description)
+        for one in (*earlier, speed):
+            static = fresh.static(one).displacement("d")
+            found = [
+                fresh.modes(one, count=4).eigenvalues,
+                fresh.synchronous([one]).displacement("d"),
+            ]
+        return b"".join(np.ascontiguousarray(x).tobytes() for x in (static, *found))
+
+    alone = after()
+    assert all(after(*earlier) == alone for earlier in ([-speed], [2.0 * speed / 3.0, speed / 2.0]))

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import gearbow as gb
+from reference import film
 from reference.attached import Attached, RigidBody
 from reference.cases import each_case
 from reference.comparisons import assert_matrices, assert_modes_of_speeds
@@ -92,7 +94,29 @@ def on_supports() -> tuple[gb.RotorSystem, Attached]:
     return system.replace(bearings=bearings), reference
 
 
-CASES = pytest.mark.parametrize("make", [on_housing, on_supports])
+def on_supports_of_a_housing() -> tuple[gb.RotorSystem, Attached]:
+    """Return the rotor on a listed and an own support, both of which stand on the housing."""
+    first = gb.Support("first", mass=3.0, stiffness=(4e6, 2e6), damping=150.0, support="box")
+    own = gb.Support("second", mass=2.0, stiffness=5e6, support="box")
+    system = rotor("box", housings=[HOUSING])
+    bases = zip(system.bearings, ["first", own], strict=True)
+    bearings = [replace(bearing, support=base) for bearing, base in bases]
+    reference = Attached(
+        train(), RigidBody(3.0), RigidBody(HOUSING.mass, HOUSING.inertia), RigidBody(2.0)
+    )
+    centre = np.array(HOUSING.position)
+    mounts = [(0, 0.0, np.diag([4e6, 2e6]), 150.0), (2, LENGTH, 5e6 * np.eye(2), 0.0)]
+    for body, x, stiffness, damping in mounts:
+        reference.spring(reference.node("s", x) - reference.point(body), STIFFNESS, DAMPING)
+        arm = tuple(np.array([x, 0.0, 0.0]) - centre)
+        reference.spring(reference.point(body) - reference.point(1, arm), stiffness, damping)
+    reference.spring(reference.point(1), HOUSING.stiffness, np.diag(HOUSING.damping))
+    rotational = [HOUSING.rotational_stiffness, HOUSING.rotational_damping]
+    reference.spring(reference.rotations(1), *(np.diag(given) for given in rotational))
+    return system.replace(bearings=bearings, supports=[first]), reference
+
+
+CASES = pytest.mark.parametrize("make", [on_housing, on_supports, on_supports_of_a_housing])
 
 
 @CASES
@@ -168,7 +192,7 @@ def test_every_method_gives_the_exact_motion(make: Any, options: dict[str, Any])
         rows, base = reference.point(0, arm), reference.point(0, (LENGTH - 0.3, -0.05, 0.1))
         np.testing.assert_allclose(run.displacement("sensor"), q @ rows.T, **tolerance)
     else:
-        base = reference.point(1)
+        base = reference.point(-1 + len(reference.bodies))
         np.testing.assert_allclose(run.displacement("second"), q @ base.T, **tolerance)
     relative = reference.node("s", LENGTH) - base
     force = q @ relative.T @ STIFFNESS.T + v @ relative.T @ DAMPING.T
@@ -339,6 +363,132 @@ def test_an_invalid_support_of_a_bearing(changes: dict[str, Any], message: str):
     system, _ = on_housing()
     bearings = [replace(system.bearings[0], **changes), system.bearings[1]]
     with pytest.raises(gb.SceneError, match="^" + re.escape(message)):
+        system.replace(bearings=bearings)
+
+
+@pytest.mark.parametrize("ruptures", [True, False])
+def test_a_run_on_squeeze_films_of_a_housing_is_that_of_an_independent_model(ruptures: bool):
+    size = {"diameter": 0.06, "length": 0.02, "clearance": 2e-4, "viscosity": 0.05}
+    ring = gb.SqueezeFilm("r", mass=2.0, stiffness=4e6, ruptures=ruptures, support="box", **size)
+    plain = rotor("box", housings=[HOUSING])
+    supports = [replace(ring, name=None), replace(ring, name="second")]
+    bearings = [replace(b, support=s) for b, s in zip(plain.bearings, supports, strict=True)]
+    # large enough that the film is squeezed far from its centre
+    unbalance = 20.0 * UNBALANCE
+    disk = replace(plain.disks[0], unbalance=unbalance)
+    system = plain.replace(disks=[disk], bearings=bearings, gravity=None)
+    rigid = [replace(train().rigid[0], unbalance=unbalance)]
+    reference = Attached(
+        replace(train(), rigid=rigid, gravity=(0.0, 0.0)),
+        RigidBody(HOUSING.mass, HOUSING.inertia),
+        RigidBody(2.0),
+        RigidBody(2.0),
+    )
+    films = []
+    for body, x in ((1, 0.0), (2, LENGTH)):
+        reference.spring(reference.node("s", x) - reference.point(body), STIFFNESS, DAMPING)
+        arm = tuple(np.array([x, 0.0, 0.0]) - HOUSING.position)
+        films.append(reference.point(body) - reference.point(0, arm))
+        reference.spring(films[-1], 4e6)
+    reference.spring(reference.point(0), HOUSING.stiffness, np.diag(HOUSING.damping))
+    rotational = [HOUSING.rotational_stiffness, HOUSING.rotational_damping]
+    reference.spring(reference.rotations(0), *(np.diag(given) for given in rotational))
+    linear, oil = reference.linear(SPEED), film.Bearing(**size)
+    inverse, ((_, cosine, sine),) = np.linalg.inv(linear.mass), linear.turning
+
+    def rates(time: float, state: Any) -> Any:
+        q, v = np.split(state, 2)
+        force = cosine * np.cos(SPEED * time) + sine * np.sin(SPEED * time)
+        force -= linear.stiffness @ q + linear.damping @ v
+        for rows in films:
+            pressed = film.short(oil, rows @ q, rows @ v, 0.0)
+            if not ruptures:
+                pressed = pressed - film.short(oil, rows @ q, -rows @ v, 0.0)
+            force -= rows.T @ pressed
+        return np.concatenate([v, inverse @ force])
+
+    options = {"initial": "rest", "output_step": 1e-3, "record": ["housings", "wheel", "energy"]}
+    run = system.simulate(0.01, SPEED, method="exponential", rtol=1e-8, **options)
+    start = np.zeros(2 * reference.size)
+    solved = solve_ivp(rates, (0.0, 0.01), start, "DOP853", run.time, rtol=1e-8, atol=1e-13)
+    q = solved.y[: reference.size].T
+    moved = q @ films[1].T
+    assert 0.2 < np.hypot(*moved.T).max() / size["clearance"] < 0.95
+    box, second = run.displacement("box"), run.displacement("second")
+    for found, rows in ((box, reference.point(0)), (second, reference.point(2))):
+        expected = q @ rows.T
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
+    assert np.abs(run.energy_balance().residual).max() < 1e-6 * run.energy.max()
+
+
+def test_a_light_support_on_a_stiff_spring_moves_along_and_tilts_with_its_housing():
+    box = replace(HOUSING, axial_stiffness=2e6, points={})
+    holds = {"axial_stiffness": 3e6, "tilting_stiffness": 4e4}
+
+    def held(support: Any) -> gb.RotorSystem:
+        plain = rotor("box", housings=[box]).replace(motion=None, gravity=None)
+        first = replace(plain.bearings[0], support=support, **holds)
+        thrust = gb.Force("wheel", 100.0 + 50j, axial=200.0)
+        return plain.replace(bearings=[first, plain.bearings[1]], forces=[thrust])
+
+    # the spring has 4e-4 of the compliance of the bearing
+    between = gb.Support("ring", mass=1e-2, stiffness=1e10, support="box")
+    direct, light = held("box"), held(between)
+    for name in ("box", "wheel"):
+        one, other = (system.static() for system in (direct, light))
+        assert one.axial(name) == pytest.approx(other.axial(name), rel=1e-3)
+        assert one.displacement(name) == pytest.approx(other.displacement(name), rel=1e-3)
+    assert direct.static().axial("box") == pytest.approx(200.0 / 2e6, rel=0.5)
+    frequencies = [system.modes(count=10).frequencies_hz for system in (direct, light)]
+    assert frequencies[0] == pytest.approx(frequencies[1], rel=1e-3)
+    # with a spring along the axis, three are in series
+    soft = held(replace(between, axial_stiffness=1e6)).static()
+    stretch = soft.axial("ring") - soft.axial("box")
+    assert soft.axial("wheel") - direct.static().axial("wheel") == pytest.approx(2e-4, rel=1e-2)
+    assert stretch == pytest.approx(2e-4, rel=0.1)
+
+
+def test_the_ground_moves_below_a_housing_not_below_its_supports():
+    system, _ = on_supports_of_a_housing()
+    response = system.frequency_response([20.0], source=gb.GroundMotion(1e-3, under=["box"]))
+    assert np.abs(response.displacement("second")).max() > 1e-6
+    with pytest.raises(
+        gb.SceneError, match=r"source.*under\[0\]: nothing there stands on the ground"
+    ):
+        system.frequency_response([20.0], source=gb.GroundMotion(1e-3, under=["second"]))
+
+
+def test_a_figure_and_a_file_contain_a_support_on_a_housing(tmp_path: Any):
+    system, _ = on_supports_of_a_housing()
+    system.save(tmp_path / "scene.toml")
+    assert gb.RotorSystem.load(tmp_path / "scene.toml").description == system.description
+    axes = system.plot()
+    assert axes is not None
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"support": "bx"}, 'supports[0].support: no support or housing is called "bx"; did you'),
+        ({"support": "other"}, "supports[0].support: a support stands on the ground or on a hous"),
+        ({"support": ("box", "seat")}, 'supports[0].support: "box" is no elastic housing and has'),
+        ({"support": ("s", 0.1)}, "supports[0].support[1]: must be text"),
+        ({"support": 3.0}, "supports[0].support: must be text"),
+    ],
+)
+def test_an_invalid_base_of_a_support(changes: dict[str, Any], message: str):
+    system, _ = on_supports_of_a_housing()
+    other = gb.Support("other", mass=1.0, stiffness=1e6)
+    supports = [replace(system.supports[0], **changes), other]
+    bearings = [*system.bearings, gb.Bearing("s", 0.4, stiffness=1e6, support="other")]
+    with pytest.raises(gb.SceneError, match="^" + re.escape(message)):
+        system.replace(supports=supports, bearings=bearings)
+
+
+def test_a_support_of_bearings_at_several_places_has_no_place_on_a_housing():
+    system, _ = on_supports_of_a_housing()
+    bearings = [replace(bearing, support="first") for bearing in system.bearings]
+    with pytest.raises(gb.SceneError, match=r"^supports\[0\].support: carries bearings at several"):
         system.replace(bearings=bearings)
 
 

@@ -99,6 +99,21 @@ def test_the_folds_of_duffings_equation():
     assert len(points) < 200
 
 
+@pytest.mark.parametrize(("start", "stop"), [(0.6, 0.7), (0.7, 0.6)])
+def test_no_point_beyond_the_interval_is_observed(start: float, stop: float):
+    seen: list[float] = []
+
+    class Watched(Duffing):
+        def multipliers(self, kept: np.ndarray, value: float) -> np.ndarray:
+            seen.append(value)
+            return super().multipliers(kept, value)
+
+    settings = Settings(start, stop, first_step=1.0)
+    points = list(branch(Watched(), np.array([0.28, 0.0]), settings))
+    assert seen == [point.value for point in points]
+    assert (min(seen), max(seen)) == (0.6, 0.7)
+
+
 def test_the_peak_of_duffings_equation():
     map_, points = Duffing(), []
     for point in branch(map_, np.array([0.28, 0.0]), Settings(0.6, 1.4, first_step=0.05)):
