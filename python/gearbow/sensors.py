@@ -252,13 +252,7 @@ class Probe(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and direction.
-        """
+        """Name of the signal in tables and figures: kind, place and direction."""
         axial = ", axial" if self.axial else ""
         return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}{axial}"
 
@@ -392,13 +386,7 @@ class Accelerometer(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and direction.
-        """
+        """Name of the signal in tables and figures: kind, place and direction."""
         direction = "axial" if self.axial else degrees_text(self.angle)
         return f"accelerometer {place_label(self.at)}, {direction}"
 
@@ -481,13 +469,7 @@ class StrainGauge(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and quantity.
-        """
+        """Name of the signal in tables and figures: kind, place and quantity."""
         direction = f", {degrees_text(self.angle)}" if self.quantity == "bending" else ""
         return f"strain gauge {place_label(self.at)} {self.quantity}{direction}"
 

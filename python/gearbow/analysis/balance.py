@@ -96,23 +96,14 @@ class Balance(WithSpeeds, Figured, ReadOnly, Generic[S]):
 
     @property
     def shaft(self) -> str:
-        """Shaft of the planes.
-
-        Returns
-        -------
-        str
-            Its name.
-        """
+        """Name of the shaft of the planes."""
         return shaft_of_planes(self.system, self.planes)
 
     @property
     def residual_ratio(self) -> float:
-        """Norm of the residual divided by the norm before balancing.
+        """Norm of the residual divided by the norm before balancing; 0 without vibration.
 
-        Returns
-        -------
-        float
-            Ratio of the root sums of squares over speeds and points; 0 without vibration.
+        Both are root sums of squares over speeds and points.
         """
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.residual)) / before if before else 0.0

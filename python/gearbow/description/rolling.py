@@ -396,11 +396,8 @@ class RollingBearing(Part):
     def estimate(self) -> RollingEstimate | None:
         """Elements estimated from a designation or from boundary dimensions.
 
-        Returns
-        -------
-        RollingEstimate or None
-            The estimate, without the fields that the bearing gives itself; None for a bearing
-            without designation and boundary.
+        Fields that the bearing gives itself are left out; None for a bearing without designation
+        and boundary.
         """
         found = rolling_estimate(self._describe("bearing"))
         return None if found is None else RollingEstimate(**found)
@@ -409,22 +406,16 @@ class RollingBearing(Part):
     def stiffness_of_contact(self) -> float:
         """Stiffness K of one element between both races, given or that of the geometry.
 
-        Returns
-        -------
-        float
-            Stiffness [N/m^1.5], or [N/m^(10/9)] for a roller.
+        Its unit is N/m^1.5, or N/m^(10/9) for a roller.
         """
         found = rolling_coefficients(self._describe("bearing"), (0.0, 0.0), None)
         return found["hertz_stiffness"]
 
     @property
     def cage_order(self) -> float:
-        """Speed of the cage over the speed of the shaft.
+        """Speed of the cage over the speed of the shaft, where the outer ring stands.
 
-        Returns
-        -------
-        float
-            (1 − (d/D) cos α)/2, where the outer ring stands.
+        It is (1 − (d/D) cos α)/2.
         """
         found = rolling_coefficients(self._describe("bearing"), (0.0, 0.0), None)
         return found["cage_ratio"]
@@ -433,10 +424,7 @@ class RollingBearing(Part):
     def ball_pass_order(self) -> float:
         """Frequency at which elements pass a point of the outer ring, over that of the shaft.
 
-        Returns
-        -------
-        float
-            The number of elements times `cage_order`.
+        It is the number of elements times `cage_order`.
         """
         return self._count * self.cage_order
 

@@ -258,13 +258,7 @@ class MeasuredCurve(ReadOnly):
 
     @property
     def label(self) -> str:
-        """Name of the curve in figures.
-
-        Returns
-        -------
-        str
-            Place and direction.
-        """
+        """Name of the curve in figures: place and direction."""
         return f"{_text(self.at)} {self.direction}"
 
 

@@ -391,13 +391,7 @@ class Measurement(Figured, ReadOnly):
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Names of the probes; with their reference shaft where it is not their own.
-
-        Returns
-        -------
-        tuple of str
-            A label for each probe.
-        """
+        """Names of the probes; with their reference shaft where it is not their own."""
         return tuple(
             probe.label + ("" if name == probe.shaft else f", 1× {name}")
             for probe, name in zip(self.probes, self.references, strict=True)

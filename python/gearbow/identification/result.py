@@ -155,36 +155,21 @@ class Identification(Figured, ReadOnly, Estimates[S]):
 
     @property
     def standard_deviations(self) -> Array:
-        """Standard deviation of each component.
-
-        Returns
-        -------
-        ndarray, shape (components,)
-            In the unit of the component.
-        """
+        """Standard deviation of each component, in its unit; shape (components,)."""
         deviations: Array = np.sqrt(np.diag(self.covariance))
         return deviations
 
     @property
     def intervals(self) -> Array:
-        """The 95 % interval of each component.
-
-        Returns
-        -------
-        ndarray, shape (components, 2)
-            Lower and upper limit.
-        """
+        """Lower and upper limit of the 95 % interval of each component, shape (components, 2)."""
         half = self.factor * self.standard_deviations
         return np.column_stack([self.estimates - half, self.estimates + half])
 
     @property
     def correlation(self) -> Array:
-        """Correlation of the components.
+        """Correlation of the components, shape (components, components).
 
-        Returns
-        -------
-        ndarray, shape (components, components)
-            Between −1 and 1; zero for a component with an infinite variance.
+        Values are between −1 and 1; zero for a component with an infinite variance.
         """
         deviations = self.standard_deviations
         with np.errstate(invalid="ignore"):
@@ -195,13 +180,10 @@ class Identification(Figured, ReadOnly, Estimates[S]):
 
     @property
     def half_widths(self) -> Array:
-        """Half width of the 95 % interval of each amplitude and of its angle.
+        """Half width of the 95 % interval of each amplitude and of its angle, shape (unknowns, 2).
 
-        Returns
-        -------
-        ndarray, shape (unknowns, 2)
-            In the unit of the unknown, and in rad: along and across the amplitude. The angle is
-            unknown (π) where the interval contains zero; it is NaN for a parameter.
+        The units are that of the unknown, along the amplitude, and rad, across it. The angle is
+        unknown (π) where the interval contains zero; it is NaN for a parameter.
         """
         found = np.full((len(self.names), 2), np.nan)
         for j, (value, own) in enumerate(zip(self.values, self._groups(), strict=True)):

@@ -125,13 +125,9 @@ class Orders(WithSpeeds, Result, ReadOnly):
 
     @property
     def rest_share(self) -> float:
-        """Share of the remainder in the motion.
+        """RMS of the remainder divided by the RMS of the signal about its mean.
 
-        Returns
-        -------
-        float
-            RMS of the remainder divided by the RMS of the signal about its mean: 0 if the orders
-            contain the complete motion; 0 for a constant signal.
+        It is 0 if the orders contain the complete motion, and for a constant signal.
         """
         power = float(np.linalg.norm(self.tracks)) / math.sqrt(2.0 * self.times.size)
         total = math.hypot(self.rest, power)

@@ -118,37 +118,19 @@ class Sweep(Result, Sequence[SweepPoint]):
 
     @property
     def parameters(self) -> Mapping[str, tuple[Any, ...]]:
-        """Give the values of each parameter: of each axis of a grid, or of each point of a list.
-
-        Returns
-        -------
-        mapping of {str: tuple}
-            The values.
-        """
+        """Values of each parameter: of each axis of a grid, or of each point of a list."""
         points = self._points
         return MappingProxyType({name: tuple(points.column(name)) for name in points.names})
 
     @property
     def failed(self) -> tuple[SweepPoint, ...]:
-        """Give the points that ended with an error.
-
-        Returns
-        -------
-        tuple of SweepPoint
-            The points, with their parameters and errors.
-        """
+        """The points that ended with an error, with their parameters and errors."""
         numbers = (number for number, found in self._outcomes.items() if found.values is None)
         return tuple(self[number] for number in sorted(numbers))
 
     @property
     def computed(self) -> int:
-        """Number of computed points, with the failed ones.
-
-        Returns
-        -------
-        int
-            `len` of the sweep, less if it was interrupted.
-        """
+        """Number of computed points, with the failed ones; less than `len` if interrupted."""
         return len(self._outcomes)
 
     def values(self, name: str | None = None) -> NDArray[Any]:

@@ -652,10 +652,7 @@ class RotorSystem(CheckedKeywords, Shown):
     def description(self) -> dict[str, Plain]:
         """Description of the system as plain data.
 
-        Returns
-        -------
-        dict
-            The keys are the names of the parameters. Options that were not given are absent.
+        The keys are the names of the parameters. Options that were not given are absent.
 
         Raises
         ------
@@ -678,16 +675,11 @@ class RotorSystem(CheckedKeywords, Shown):
 
     @property
     def discretisation(self) -> Discretisation:
-        """Give the number and degree of the elements of every shaft.
+        """Number and degree of the elements of every shaft, with their expected error.
 
         Where a shaft has no number of elements, both are chosen once, when the system is created,
         from the scene and the option `accuracy`. The number of coordinates is the smallest for
         which the expected error stays below the level.
-
-        Returns
-        -------
-        Discretisation
-            Elements, their expected error and the highest frequency that they represent.
 
         Examples
         --------
@@ -702,12 +694,9 @@ class RotorSystem(CheckedKeywords, Shown):
 
     @property
     def speed_ratios(self) -> Array:
-        """Signed speed of each shaft over that of the reference shaft.
+        """Signed speed r_s of each shaft over that of the reference shaft, shape (shafts,).
 
-        Returns
-        -------
-        ndarray, shape (shafts,)
-            The ratios r_s; every external mesh reverses the sign.
+        Every external mesh reverses the sign.
         """
         return self._model.speed_ratios
 
@@ -715,27 +704,18 @@ class RotorSystem(CheckedKeywords, Shown):
     def dofs(self) -> tuple[Dof, ...]:
         """All degrees of freedom, in the order of every matrix and vector.
 
-        Returns
-        -------
-        tuple of (str, float or (float, float), str)
-            First those of the nodes: shaft, position [m] and "u" (translation along x, in a system
-            with axial motion), "v", "w" (along y, z), "B", "G" (rotation about y, z) or "twist".
-            Then those within elements of a degree above 1: shaft, positions of the two ends of the
-            element [m], and the direction with the degree of the shape function, for example "v2".
-            Last come supports and housings: name, x of the centre of mass [m] and "v", "w", with
-            "B", "G", "twist" if they rotate.
+        First those of the nodes: shaft, position [m] and "u" (translation along x, in a system with
+        axial motion), "v", "w" (along y, z), "B", "G" (rotation about y, z) or "twist". Then those
+        within elements of a degree above 1: shaft, positions of the two ends of the element [m],
+        and the direction with the degree of the shape function, for example "v2". Last come
+        supports and housings: name, x of the centre of mass [m] and "v", "w", with "B", "G",
+        "twist" if they rotate.
         """
         return tuple(self._model.dofs)
 
     @property
     def coordinates(self) -> Coordinates:
-        """Give the degrees of freedom by name and place.
-
-        Returns
-        -------
-        Coordinates
-            The coordinates.
-        """
+        """Degrees of freedom by name and place."""
         own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
         return Coordinates.of(
