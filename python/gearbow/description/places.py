@@ -62,12 +62,6 @@ class Support(Part):
     axial_damping: float = 0.0
     loss_factor: float = 0.0
 
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Support":
-        """Make a support, or the subclass that has a field which only it has."""
-        own = [kind for kind in cls.__subclasses__() if "viscosity" in description]
-        return (own[0] if own else cls)(**description)
-
 
 #: What a bearing stands on: the name of a support or housing, a support, (shaft, position [m]), or
 #: (elastic housing, interface).
@@ -88,17 +82,6 @@ def housing_and_interface(base: object) -> tuple[str, str] | None:
         return None
     housing, interface = base
     return housing, interface
-
-
-def with_support(bearing: Mapping[str, Plain]) -> dict[str, Any]:
-    """Replace the description of what a bearing stands on by the support or the place."""
-    given = dict(bearing)
-    base = given.get("support")
-    if isinstance(base, Mapping):
-        given["support"] = Support._from_description(base)
-    elif isinstance(base, (list, tuple)):
-        given["support"] = tuple(base)
-    return given
 
 
 @dataclass(frozen=True)
@@ -273,13 +256,8 @@ class Housing(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Housing":
-        given = dict(description)
-        given["points"] = {
-            name: tuples(place) for name, place in description.get("points", {}).items()
-        }
-        if "elastic" in given:
-            given["elastic"] = ElasticBody._from_description(given["elastic"])
-        return cls(**given)
+        points = {name: tuples(place) for name, place in description.get("points", {}).items()}
+        return super()._from_description({**description, "points": points})
 
 
 #: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.

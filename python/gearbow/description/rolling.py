@@ -1,6 +1,5 @@
 """Rolling bearings: balls or rollers between a shaft and what it stands on."""
 
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -12,7 +11,7 @@ from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estim
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, Plain, RollingContact, RollingKind
 from gearbow.description.part import Part
-from gearbow.description.places import Base, with_support
+from gearbow.description.places import Base
 from gearbow.errors import SceneError
 
 #: Fields of a rolling bearing of which a description has at least one.
@@ -448,10 +447,3 @@ class RollingBearing(Part):
         estimate = self.estimate if self.contact is None else None
         length = None if estimate is None else estimate.roller_length
         return self.contact == "roller" or length is not None
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "RollingBearing":
-        given = with_support(description)
-        if "boundary" in given:
-            given["boundary"] = tuple(given["boundary"])
-        return cls(**given)

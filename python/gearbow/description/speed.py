@@ -379,7 +379,7 @@ class SpeedTable(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "SpeedTable":
-        return cls(**{"speeds": None, **description})
+        return super()._from_description({"speeds": None, **description})
 
     def at_frequency(self, frequency: float) -> "SpeedTable | Array":
         """Give the coefficient at one frequency, as a run in time needs it.
