@@ -339,9 +339,8 @@ def _displacement(motion: BowMotion, limit: BowLimit) -> Check:
 def _ratio(motion: BowMotion, at: Any) -> float:
     """Give the speed ratio of the shaft of a place; that of the bowed one for a housing."""
     base = motion.variants.base
-    names = [shaft.name for shaft in base.shafts]
-    own = base.coordinates.shaft(at)
-    return float(base.speed_ratios[names.index(own if own in names else motion.variants.shafts[0])])
+    ratios = ratios_by_shaft(base)
+    return ratios.get(base.coordinates.shaft(at), ratios[motion.variants.shafts[0]])
 
 
 def _velocity(motion: BowMotion, limit: BowLimit) -> Check:

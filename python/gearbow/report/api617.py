@@ -17,6 +17,7 @@ from gearbow._result import Column, in_micrometres
 from gearbow._types import Array
 from gearbow.analysis.protocol import variant
 from gearbow.description.bow_limit import DISPLACEMENTS
+from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
 from gearbow.report.page import Block, Note, Table, picture
@@ -161,7 +162,7 @@ def _vibration(contents: Contents, made: Any, shafts: list[str]) -> Iterator[Blo
         np.linspace(*operating, 9) if operating[0] != operating[1] else [operating[1]]
     )
     factor, most = DISPLACEMENTS["API 617"]
-    ratios = dict(zip((s.name for s in made.shafts), made.speed_ratios, strict=True))
+    ratios = ratios_by_shaft(made)
     places = [(b.shaft, b.position) for b in made.bearings if b.shaft in shafts]
     if not places:
         return

@@ -17,7 +17,7 @@ from gearbow.analysis.balance import balance
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
-from gearbow.description.layout import assumptions, tooth_orders
+from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_orders
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
@@ -302,10 +302,9 @@ class RotorSystem(CheckedKeywords, Shown):
         pairs = [(mesh.driver, mesh.driven) for mesh in self.meshes]
         geometry = dict(zip(pairs, mesh_geometry(self._model.description()), strict=True))
         gears = {gear.name: gear for gear in self.gears}
-        names = [shaft.name for shaft in self.shafts]
-        ratios = dict(zip(names, self.speed_ratios, strict=True))
+        ratios = ratios_by_shaft(self)
         properties = self._model.mass_properties()
-        masses = {name: mass for name, (mass, *_) in zip(names, properties, strict=True)}
+        masses = {name: mass for name, (mass, *_) in zip(ratios, properties, strict=True)}
         found: dict[tuple[str, str], float] = {}
         disks = list(self.disks)
         for stage in stages:
