@@ -20,7 +20,7 @@ from gearbow.description.bow_limit import DISPLACEMENTS
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
-from gearbow.report.page import Block, Note, Table, picture
+from gearbow.report.page import Block, Table, note, picture
 from gearbow.report.shared import Contents
 from gearbow.report.texts import say
 from gearbow.results.modes import Modes
@@ -48,7 +48,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
     speed, system = contents.need_operating(), contents.system
     bodies = [*system.gears, *system.disks]
     if not any(direction == "v" for *_, direction in system.dofs):
-        yield Note(say("Unbalance placement of API 617: the system has no lateral motion."))
+        yield note("Unbalance placement of API 617: the system has no lateral motion.")
         return
     planes: dict[str, complex] = {}
     rows: list[tuple[Any, ...]] = []
@@ -62,12 +62,10 @@ def unbalance(contents: Contents) -> Iterator[Block]:
             lacks = say("no mode of its own among {count}", count=len(contents.modes.whirl))
             if not own:
                 lacks = say("no gear or disk as a plane")
-            yield Note(
-                say(
-                    "Unbalance placement of API 617: {shaft} has {lacks}.",
-                    shaft=shaft.name,
-                    lacks=lacks,
-                )
+            yield note(
+                "Unbalance placement of API 617: {shaft} has {lacks}.",
+                shaft=shaft.name,
+                lacks=lacks,
             )
             continue
         rpm = abs(ratio * speed) * 30.0 / math.pi
@@ -117,13 +115,11 @@ def unbalance(contents: Contents) -> Iterator[Block]:
             )
             yield Table.of_result(peaks, title)
         else:
-            yield Note(
-                say(
-                    "Unbalance of API 617 on {shaft}: the response at {place} has no peak in this "
-                    "range.",
-                    shaft=name,
-                    place=place,
-                )
+            yield note(
+                "Unbalance of API 617 on {shaft}: the response at {place} has no peak in this "
+                "range.",
+                shaft=name,
+                place=place,
             )
     yield from _vibration(contents, made, list(first))
 
@@ -194,12 +190,10 @@ def level_1(contents: Contents) -> Iterator[Block]:
     system, speed = contents.system, contents.need_operating()
     name = say("Stability level 1 of API 617")
     if len(system.shafts) > 1:
-        yield Note(
-            say(
-                "{name}: it is defined for one rotor, and this train has {count} shafts.",
-                name=name,
-                count=len(system.shafts),
-            )
+        yield note(
+            "{name}: it is defined for one rotor, and this train has {count} shafts.",
+            name=name,
+            count=len(system.shafts),
         )
         return
     modes, (shaft,) = contents.modes, system.shafts
@@ -215,7 +209,7 @@ def level_1(contents: Contents) -> Iterator[Block]:
         lacks = say("no forward mode among {count}", count=len(modes.whirl))
         if not bodies:
             lacks = say("no disk or gear")
-        yield Note(say("{name}: the rotor has {lacks}.", name=name, lacks=lacks))
+        yield note("{name}: the rotor has {lacks}.", name=name, lacks=lacks)
         return
     mode = forward[0]
     body = max(bodies, key=lambda body: float(np.abs(modes.displacement(body.name)[mode]).max()))
@@ -235,20 +229,21 @@ def level_1(contents: Contents) -> Iterator[Block]:
 
     first = decrement(0.0)
     if not first > 0.0:
-        text = say("{name}: the first forward mode is unstable without cross coupling.", name=name)
-        yield Note(text, warning=True)
+        yield note(
+            "{name}: the first forward mode is unstable without cross coupling.",
+            warning=True,
+            name=name,
+        )
         return
     # A mass m on a shaft with the damping c loses it at the stiffness c ω, which is m ω² δ/π.
     mass = float(system.mass_properties().mass.sum())
     scale = mass * (2.0 * math.pi * float(modes.frequencies_hz[mode])) ** 2 * first / math.pi
     removing = _zero(decrement, first, scale)
     if removing is None:
-        yield Note(
-            say(
-                "{name}: a cross-coupled stiffness at {body} does not remove the damping.",
-                name=name,
-                body=body.name,
-            )
+        yield note(
+            "{name}: a cross-coupled stiffness at {body} does not remove the damping.",
+            name=name,
+            body=body.name,
         )
         return
     # Unequal bearings keep the damping up to a stiffness at which it falls steeply.
@@ -271,18 +266,16 @@ def level_1(contents: Contents) -> Iterator[Block]:
     )
     if not largest > 0.0:
         passed = say("Level 1 is not passed even without cross coupling")
-    yield Note(
-        say(
-            "{name}: the decrement is {first} without cross coupling and zero at Q₀ = {zero} N/m. "
-            "{passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, diameters and "
-            "densities of the stages, which a scene does not have; the criterion of the gas "
-            "density is not evaluated.",
-            name=name,
-            first=f"{first:.3g}",
-            zero=f"{limits[0]:.3g}",
-            passed=passed,
-        ),
+    yield note(
+        "{name}: the decrement is {first} without cross coupling and zero at Q₀ = {zero} N/m. "
+        "{passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, diameters and "
+        "densities of the stages, which a scene does not have; the criterion of the gas "
+        "density is not evaluated.",
         warning=not largest > 0.0,
+        name=name,
+        first=f"{first:.3g}",
+        zero=f"{limits[0]:.3g}",
+        passed=passed,
     )
 
 
