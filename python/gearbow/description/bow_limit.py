@@ -99,11 +99,6 @@ class BowLimit(Part):
         support : str, optional
             Support, housing or point of a housing on which the probe stands; None is the ground.
 
-        Returns
-        -------
-        BowLimit
-            The limit.
-
         Raises
         ------
         SceneError
@@ -128,11 +123,6 @@ class BowLimit(Part):
         angle : float, optional
             Direction, from y towards z [rad]; None is the one with the largest velocity.
 
-        Returns
-        -------
-        BowLimit
-            The limit.
-
         Raises
         ------
         SceneError
@@ -151,11 +141,6 @@ class BowLimit(Part):
             The mesh: (driver, driven) in either order, or "driver/driven".
         least : float
             Smallest contact ratio at any instant.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("contact_ratio", place(at, kind="mesh"), positive(least, "least"))
 
@@ -169,11 +154,6 @@ class BowLimit(Part):
             The mesh: (driver, driven) in either order, or "driver/driven".
         factor : float
             Largest mesh force of the steady motion over the static one.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("mesh_force", place(at, kind="mesh"), positive(factor, "factor"))
 
@@ -187,11 +167,6 @@ class BowLimit(Part):
             Shaft and position of the bearing [m].
         force : float
             Largest force [N].
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("bearing_force", place(at, kind="bearing"), positive(force, "force"))
 
@@ -220,11 +195,6 @@ class BowLimit(Part):
             Basic dynamic load rating C [N]; None is that of the bearing.
         exponent : float, optional
             Exponent p; None is that of the bearing, 3 for balls and 10/3 for rollers.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls(
             "bearing_life",
@@ -257,11 +227,6 @@ class BowLimit(Part):
             Tensile strength of the material [Pa].
         line : {"goodman", "din743"}
             How a mean stress lowers the endured amplitude.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls(
             "stress",
@@ -281,11 +246,6 @@ class BowLimit(Part):
             Shaft and position of the journal bearing [m].
         thickness : float
             Smallest film thickness at any instant [m].
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("film", place(at, kind="bearing"), positive(thickness, "thickness"))
 
@@ -303,11 +263,6 @@ class BowLimit(Part):
         approach : float
             Largest elastic approach of the rings [m]: the displacement of the shaft relative to
             what the bearing stands on, less the radial gap, which is half of the clearance.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("clearance", place(at, kind="bearing"), positive(approach, "approach"))
 

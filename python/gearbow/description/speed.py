@@ -84,11 +84,6 @@ class SpeedProfile(ReadOnly):
         begin : float
             Time at which the change begins [s].
 
-        Returns
-        -------
-        SpeedProfile
-            The profile.
-
         Raises
         ------
         SceneError
@@ -111,11 +106,6 @@ class SpeedProfile(ReadOnly):
             Times, ascending [s].
         speeds : array_like, shape (m + 1,)
             Speeds [rad/s].
-
-        Returns
-        -------
-        SpeedProfile
-            The profile.
 
         Raises
         ------
@@ -446,11 +436,6 @@ class SpeedTable(Part):
             {"speed": "rpm", "stiffness": "N/um"}. Without them the numbers are in SI units.
         outside : str
             What holds outside the speeds, see the class.
-
-        Returns
-        -------
-        SpeedTable
-            The table.
 
         Raises
         ------

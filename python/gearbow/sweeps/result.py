@@ -300,11 +300,6 @@ class Sweep(Result, Sequence[SweepPoint]):
         path : str or path-like
             The file. Its name ends with ".sweep".
 
-        Returns
-        -------
-        Sweep
-            The sweep.
-
         Raises
         ------
         GearbowError

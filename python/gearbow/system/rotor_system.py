@@ -365,11 +365,6 @@ class RotorSystem(CheckedKeywords, Shown):
             The keys are the names of the parameters, as in a TOML file; complex numbers may be
             pairs [re, im], and values may be texts with a unit, such as "500 mm".
 
-        Returns
-        -------
-        RotorSystem
-            The system.
-
         Raises
         ------
         SceneError
@@ -402,11 +397,6 @@ class RotorSystem(CheckedKeywords, Shown):
         path : str or path-like
             A file whose keys are the names of the parameters, as `save` writes it. A value is a
             number in SI units and radians, or a text with a unit, such as "500 mm".
-
-        Returns
-        -------
-        RotorSystem
-            The system.
 
         Raises
         ------
