@@ -61,7 +61,7 @@ def makes_own_class(value: object) -> bool:
     owner = getattr(value, "__self__", None)
     if not isinstance(owner, type):
         return False
-    returned = inspect.signature(value).return_annotation
+    returned = inspect.signature(value).return_annotation  # type: ignore[arg-type]  # a method
     return returned in {"Self", *(base.__name__ for base in owner.__mro__)}
 
 

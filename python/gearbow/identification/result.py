@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import text
 from gearbow._lookup import nearest
-from gearbow._result import Column, Figured, Written
+from gearbow._result import Column, Figured, in_degrees
 from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
@@ -348,15 +348,14 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         written = [_WRITTEN.get(unit, (unit, 1.0)) for unit in self.units]
         factors = np.array([factor for _, factor in written])
         half = self.half_widths
-        degrees = Written("°", 180.0 / np.pi)
         angles = np.where(np.isnan(half[:, 1]), np.nan, np.angle(self.values))
         return [
             Column("unknown", list(self.names)),
             Column("estimate", factors * self._sizes(), "", ".5g"),
             Column("±", factors * half[:, 0], "", ".2g"),
             Column("unit", [unit for unit, _ in written]),
-            Column("angle", angles, "rad", ".1f", degrees),
-            Column("± angle", half[:, 1], "rad", ".1f", degrees),
+            Column("angle", angles, "rad", ".1f", in_degrees()),
+            Column("± angle", half[:, 1], "rad", ".1f", in_degrees()),
             Column("detectable", factors * self.detectable, "", ".2g"),
         ]
 
