@@ -16,12 +16,7 @@ from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.load_rating import load_for_hours, rating_of, ring_ratios
 from gearbow.description.loads import AnyBearing, Bearing
-from gearbow.description.places import (
-    Places,
-    Support,
-    housing_and_interface,
-    place_label,
-)
+from gearbow.description.places import Places, Support, housing_and_interface, place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.errors import ChannelError, GearbowError, SceneError
 from gearbow.results.response import Response

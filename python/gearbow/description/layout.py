@@ -19,12 +19,7 @@ from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.loads import AnyBearing, Coupling, Force
-from gearbow.description.places import (
-    Housing,
-    housing_and_interface,
-    other_shaft,
-    place_label,
-)
+from gearbow.description.places import Housing, housing_and_interface, other_shaft, place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import STEEL, Material, Shaft, Sleeve, segments_of
 from gearbow.description.stiffness import Stiffness

@@ -21,14 +21,7 @@ from gearbow.report import api617
 from gearbow.report.motion import motion
 from gearbow.report.page import Block, Note, Picture, Table, note, parts_tables, picture
 from gearbow.report.resonances import resonances
-from gearbow.report.shared import (
-    UNDAMPED,
-    Contents,
-    Make,
-    margins,
-    reason_of,
-    resonances_of,
-)
+from gearbow.report.shared import UNDAMPED, Contents, Make, margins, reason_of, resonances_of
 from gearbow.report.strength import strength
 from gearbow.report.texts import say, word
 from gearbow.results.bow_limits import BowLimits

@@ -26,11 +26,7 @@ from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places, is_pair, place, place_label, places
 from gearbow.description.sources import plain_sources
 from gearbow.errors import GearbowError, SceneError
-from gearbow.results.harmonic import (
-    PRINTED_PLACES,
-    FrequencyComparison,
-    HarmonicResponse,
-)
+from gearbow.results.harmonic import PRINTED_PLACES, FrequencyComparison, HarmonicResponse
 from gearbow.results.section_forces import Motions
 from gearbow.sensors import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_text

@@ -21,12 +21,7 @@ from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_order
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
-from gearbow.description.planetary import (
-    PlanetaryStage,
-    expanded,
-    planet_masses,
-    tooth_angles,
-)
+from gearbow.description.planetary import PlanetaryStage, expanded, planet_masses, tooth_angles
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.description.time_series import (

@@ -32,13 +32,7 @@ from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
 from gearbow.recording.record import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
-from gearbow.system.run import (
-    beginning,
-    given_speed,
-    in_order,
-    requests,
-    warn_of_early_end,
-)
+from gearbow.system.run import beginning, given_speed, in_order, requests, warn_of_early_end
 
 if TYPE_CHECKING:
     from gearbow.system.run import Checkpoint
