@@ -10,7 +10,7 @@ import numpy as np
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
 from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
-from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
+from gearbow.description.bow_limit import VELOCITIES, BowLimit, largest_displacement
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import ratios_by_shaft
@@ -314,9 +314,8 @@ def _displacement(motion: BowMotion, limit: BowLimit) -> Check:
         signal = motion.relative(limit.at, limit.support)
     why, given = "peak-to-peak", limit.value
     if isinstance(given, str):
-        turns = 30.0 / math.pi * abs(motion.speed * _ratio(motion, limit.at))
-        factor, largest = DISPLACEMENTS[given]
-        allowed, why = min(factor / math.sqrt(turns) if turns else math.inf, largest), given
+        speed = motion.speed * _ratio(motion, limit.at)
+        allowed, why = largest_displacement(given, speed), given
     else:
         allowed = given
     directions = _towards(limit)

@@ -10,6 +10,7 @@ from gearbow._lookup import one_of
 from gearbow._types import At, StrengthLine
 from gearbow.description.part import Part
 from gearbow.description.places import place
+from gearbow.units.speed import speed_factor
 
 #: Peak-to-peak displacement of a shaft relative to its bearing: factor over √n with the speed n in
 #: rpm, and the largest value [m]. ISO 20816-3 (before: ISO 7919-3), boundaries of its zones; API
@@ -20,6 +21,15 @@ DISPLACEMENTS = {
     "ISO 20816-3 C/D": (13200e-6, math.inf),
     "API 617": (25.4e-6 * math.sqrt(12000.0), 25.4e-6),
 }
+
+
+def largest_displacement(standard: str, speed: float) -> float:
+    """Give the largest peak-to-peak displacement [m] of a shaft at its speed [rad/s]."""
+    factor, largest = DISPLACEMENTS[standard]
+    turns = speed_factor("rpm") * abs(speed)
+    return min(factor / math.sqrt(turns) if turns else math.inf, largest)
+
+
 #: RMS velocity of a bearing housing [m/s]: ISO 20816-3, boundaries of its zones by group of
 #: machines (1: above 300 kW, 2: 15 to 300 kW) and foundation.
 VELOCITIES = {

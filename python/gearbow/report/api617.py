@@ -16,7 +16,7 @@ import numpy as np
 from gearbow._result import Column, in_micrometres
 from gearbow._types import Array
 from gearbow.analysis.protocol import variant
-from gearbow.description.bow_limit import DISPLACEMENTS
+from gearbow.description.bow_limit import largest_displacement
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
@@ -24,6 +24,7 @@ from gearbow.report.page import Block, Table, note, picture
 from gearbow.report.shared import Contents
 from gearbow.report.texts import say
 from gearbow.results.modes import Modes
+from gearbow.units.speed import speed_factor
 
 #: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
 _UNBALANCE = 2.0 * 6350.0
@@ -68,7 +69,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
                 lacks=lacks,
             )
             continue
-        rpm = abs(ratio * speed) * 30.0 / math.pi
+        rpm = abs(ratio * speed) * speed_factor("rpm")
         amount = 1e-6 * _UNBALANCE * mass / rpm
         chosen = _planes(contents.modes, mode, own)
         planes |= {name: amount * share for name, share in chosen.items()}
@@ -157,15 +158,13 @@ def _vibration(contents: Contents, made: Any, shafts: list[str]) -> Iterator[Blo
     found = made.synchronous(
         np.linspace(*operating, 9) if operating[0] != operating[1] else [operating[1]]
     )
-    factor, most = DISPLACEMENTS["API 617"]
     ratios = ratios_by_shaft(made)
     places = [(b.shaft, b.position) for b in made.bearings if b.shaft in shafts]
     if not places:
         return
     largest = [2.0 * float(found._own(found.orbit(at), at).max()) for at in places]
     limits = [
-        min(factor / math.sqrt(abs(ratios[shaft] * contents.speed) * 30.0 / math.pi), most)
-        for shaft, _ in places
+        largest_displacement("API 617", ratios[shaft] * contents.speed) for shaft, _ in places
     ]
     within = ["yes" if size <= limit else "no" for size, limit in zip(largest, limits, strict=True)]
     yield Table.of(

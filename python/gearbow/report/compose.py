@@ -16,7 +16,7 @@ from gearbow.report.contents import SECTIONS
 from gearbow.report.page import Block, Code, Section, note, write
 from gearbow.report.shared import Contents, Options
 from gearbow.report.texts import say, speaking, word
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import other_unit, speed_text
 
 #: Sections whose findings come first in the summary; the others follow in their order.
 _FIRST = ("resonances", "criticals", "stability", "strength", "life", "motion", "bow", "static")
@@ -67,7 +67,7 @@ def _write(path: Path, contents: Contents, sections: list[Section]) -> None:
     if options.operating is not None:
         both = [
             _range([speed_text(speed, unit) for speed in options.operating])
-            for unit in (options.unit, _other(options.unit))
+            for unit in (options.unit, other_unit(options.unit))
         ]
         text = say("{speed} ({other}), of the reference shaft", speed=both[0], other=both[1])
         facts.append((say("operating speed"), text))
@@ -85,10 +85,6 @@ def _range(texts: list[str]) -> str:
     return (
         texts[0] if texts[0] == texts[-1] else say("{low} to {high}", low=texts[0], high=texts[-1])
     )
-
-
-def _other(unit: SpeedUnit) -> SpeedUnit:
-    return "rpm" if unit == "rad/s" else "rad/s"
 
 
 def _again(path: Path, contents: Contents) -> Iterator[Block]:
