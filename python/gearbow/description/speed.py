@@ -1,7 +1,6 @@
 """Speeds and speed profiles, and tables of coefficients over the speed."""
 
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, get_args
@@ -15,7 +14,7 @@ from gearbow._lookup import one_of
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, BearingQuantity, OutsideTable, Plain, TableAxes
 from gearbow.description.part import Part, freeze
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 
 #: Tolerance of the sampling of a function, relative to the largest speed. Each cubic piece is
 #: compared with the function at two points; elsewhere the error is at most twice as large.
@@ -522,10 +521,9 @@ def _warn_of_masses(path: str | os.PathLike[str], masses: Mapping[str, Array]) -
     """Warn of added masses, which a bearing of gearbow does not have."""
     given = [f"{name} up to {max(abs(m)):.4g} kg" for name, m in masses.items() if np.any(m)]
     if given:
-        warnings.warn(
+        warn(
             f"{os.fspath(path)}: the added masses are left out: {', '.join(given)}",
             SceneWarning,
-            stacklevel=outside(),
         )
 
 

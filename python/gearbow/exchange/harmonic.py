@@ -1,7 +1,6 @@
 """Curves of a frequency response as tables, data sets and files, and measured curves from files."""
 
 import re
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BufferedRandom
@@ -16,7 +15,7 @@ from gearbow._files import parsing
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.loads import Force, Torque
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 from gearbow.exchange.tables import NamedColumns, read_table
 from gearbow.exchange.universal import (
     FORCE,
@@ -363,11 +362,10 @@ def _read_uff(
             f"{path}: has no frequency response function of a motion (data set 58){what[:300]}"
         )
     if left:
-        warnings.warn(
+        warn(
             f"{path}: left out {len(left)} data sets 58 that are no frequency response functions "
             f"of a motion, the first {left[0].removeprefix(f'{path}: ')}",
             SceneWarning,
-            stacklevel=outside(),
         )
     return curves
 

@@ -8,7 +8,6 @@ the remainder is reported.
 """
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,7 @@ from gearbow._shown import ReadOnly
 from gearbow._types import Array, ComplexArray, Record, SignalQuantity
 from gearbow.description.layout import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import AccuracyWarning, GearbowError, outside
+from gearbow.errors import AccuracyWarning, GearbowError, warn
 from gearbow.orders.separation import (
     ALWAYS,
     MOST_HARMONICS,
@@ -442,4 +441,4 @@ def _warn(found: Orders, values: Array, shortcoming: str | None, noise: float) -
             "shaft_harmonics, mesh_harmonics or sidebands"
         )
     if reasons:
-        warnings.warn(f"orders: {'. '.join(reasons)}", AccuracyWarning, stacklevel=outside())
+        warn(f"orders: {'. '.join(reasons)}", AccuracyWarning)

@@ -1,7 +1,6 @@
 """Results of sweeps, their tables and their data sets."""
 
 import os
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -18,7 +17,7 @@ from gearbow._lookup import nearest
 from gearbow._result import Column, Result
 from gearbow._shown import Shown, short
 from gearbow._types import Plain
-from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, outside
+from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, warn
 from gearbow.sweeps import store
 from gearbow.sweeps.points import Outcome, Points, Values
 from gearbow.units.fields import DIMENSIONLESS, unit_of
@@ -312,7 +311,7 @@ class Sweep(Result, Sequence[SweepPoint]):
         head, outcomes = found.head, found.outcomes
         if damage := found.damage():
             message = f"{path}: is damaged: {damage}; they count as not computed"
-            warnings.warn(message, CheckpointWarning, stacklevel=outside())
+            warn(message, CheckpointWarning)
         points = store.points_of(head)
         if max(outcomes, default=-1) >= len(points):
             raise GearbowError(

@@ -1,7 +1,6 @@
 """The rotor system: its parts and options, files, variants, and all its analyses."""
 
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -32,7 +31,7 @@ from gearbow.description.time_series import (
     refuse_functions,
 )
 from gearbow.description.train import PARTS, parts_of
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 from gearbow.results.properties import Discretisation
 from gearbow.sweeps.many import simulate_many
 from gearbow.system.bearing_life import bearing_life
@@ -521,7 +520,7 @@ class RotorSystem(CheckedKeywords, Shown):
 
         description, contents = read_system(path, load_case, bearings, couplings)
         for note in contents.notes:
-            warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=outside())
+            warn(f"{os.fspath(path)}: {note}", SceneWarning)
         try:
             system = cls.from_dict(description)
         except SceneError as error:
@@ -772,4 +771,4 @@ def _count(key: str, number: int) -> str:
 def _warn(model: Model) -> None:
     """Warn about implausible entries, at the line outside the package that made the system."""
     for message in model.warnings:
-        warnings.warn(message, SceneWarning, stacklevel=outside())
+        warn(message, SceneWarning)

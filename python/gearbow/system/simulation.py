@@ -1,7 +1,6 @@
 """Time integration of a system."""
 
 import os
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -28,7 +27,7 @@ from gearbow.accuracy import DEFAULT, LEVELS, Level, check_reduction, find_level
 from gearbow.analysis.protocol import S, System
 from gearbow.description.layout import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
-from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
+from gearbow.errors import AccuracyWarning, GearbowError, SceneError, warn
 from gearbow.recording.record import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
@@ -254,7 +253,7 @@ def accuracy_level(
             f"accuracy: the elements are too coarse for {level.name!r}: {coarse}; "
             f"{level.finer(system._model, system.accuracy)}"
         )
-        warnings.warn(message, AccuracyWarning, stacklevel=outside())
+        warn(message, AccuracyWarning)
     return level, coarse
 
 
