@@ -270,8 +270,7 @@ class Mesh(Part):
         mesh force can then be tensile. False: only flanks in contact are damped. Without backlash
         or without damping, both values give the same motion.
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
-        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+        Loss factor η of the stiffness, as for `Bearing`.
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     tooth_angle : float

@@ -247,8 +247,7 @@ class JournalBearing(Part):
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
     support : str, Support or tuple of (str, float), optional
-        What it stands on: the name of a support or housing of the system, a support of its own, or
-        (shaft, position [m]) of another shaft. None is the ground.
+        What it stands on, as for `Bearing`.
 
     Notes
     -----
@@ -388,7 +387,7 @@ class TiltingPadBearing(Part):
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
     support : str, Support or tuple of (str, float), optional
-        What it stands on, as for `JournalBearing`.
+        What it stands on, as for `Bearing`.
 
     Notes
     -----

@@ -43,8 +43,7 @@ class Support(Part):
     axial_damping : float
         Damping to the ground along the axis [N s/m].
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
-        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+        Loss factor η of the stiffness, as for `Bearing`.
 
     Examples
     --------
@@ -111,8 +110,7 @@ class Housing(Part):
     axial_damping : float
         Damping to the ground along the axis at the centre of mass [N s/m].
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
-        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+        Loss factor η of the stiffness, as for `Bearing`.
     inertia : (float, float, float), optional
         Moments of inertia about the axes through the centre of mass parallel to x, y and z
         [kg m²]; products of inertia are neglected. None: the housing does not rotate.

@@ -201,8 +201,7 @@ class RollingBearing(Part):
         deep groove ball bearings of the series 60, 62 and 63, or that of ISO 281 and ISO 76 for the
         elements.
     support : str, Support or tuple of (str, float), optional
-        What it stands on: the name of a support or housing of the system, a support of its own, or
-        (shaft, position [m]) of another shaft. None is the ground.
+        What it stands on, as for `Bearing`.
 
     Notes
     -----
