@@ -47,14 +47,8 @@ from gearbow.description.loads import (
     Force as Force,
     Torque as Torque,
 )
-from gearbow.description.places import (
-    Housing as Housing,
-    Support as Support,
-)
-from gearbow.description.planetary import (
-    PlanetaryStage as PlanetaryStage,
-    RingGear as RingGear,
-)
+from gearbow.description.places import Housing as Housing, Support as Support
+from gearbow.description.planetary import PlanetaryStage as PlanetaryStage, RingGear as RingGear
 from gearbow.description.rolling import RollingBearing as RollingBearing
 from gearbow.description.shafts import (
     STEEL as STEEL,
@@ -95,11 +89,7 @@ from gearbow.sensors import (
     Tacho as Tacho,
 )
 from gearbow.system.rotor_system import RotorSystem as RotorSystem
-from gearbow.units.speed import (
-    degrees as degrees,
-    mm as mm,
-    rpm as rpm,
-)
+from gearbow.units.speed import degrees as degrees, mm as mm, rpm as rpm
 
 #: Modules of the names that are imported at their first use, with the libraries that they need.
 _LAZY = {

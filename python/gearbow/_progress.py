@@ -7,14 +7,13 @@ thread and process shows one, so that the runs of a sweep show nothing beside th
 import sys
 import threading
 import time
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from gearbow._convert import function, truth
 from gearbow._types import Progress
-from gearbow.errors import AccuracyWarning, outside
+from gearbow.errors import AccuracyWarning, warn
 
 #: A run with a longer estimated duration gives a warning [s].
 LONG_RUN = 3600.0
@@ -154,10 +153,9 @@ class _Estimate:
         self._warned = True
         left = elapsed * (1.0 - fraction) / (fraction - done)
         if elapsed + left > LONG_RUN:
-            warnings.warn(
+            warn(
                 f"simulate: takes about {(elapsed + left) / 3600.0:.3g} h at the rate of the first "
                 f"{elapsed:.2g} s; reduce the duration, increase rtol, use fewer elements, or save "
                 'the run in a file by checkpoint="run.npz"',
                 AccuracyWarning,
-                stacklevel=outside(),
             )

@@ -12,7 +12,7 @@ from gearbow._core import SHARE_OF_MEAN, Model, accuracy_levels, user_order
 from gearbow._times import grid
 from gearbow._types import Accuracy, Array, Plain, RunData
 from gearbow.description.speed import SpeedProfile, read_speed
-from gearbow.errors import AccuracyWarning, ConvergenceError, SceneError, outside
+from gearbow.errors import AccuracyWarning, ConvergenceError, SceneError, warn
 from gearbow.recording.channels import signals
 from gearbow.recording.record import ErrorEstimate, Errors, Event, RunRequest
 
@@ -143,7 +143,7 @@ def check_reduction(statistics: Reduction, level: Level, *, given: bool) -> None
                 f"{'modes' if given else 'accuracy'}: {statistics.modes} modes leave an error of "
                 f"{error:.1e} in {kind}, above {most:.0e} of accuracy {level.name!r}; {cure}"
             )
-            warnings.warn(message, AccuracyWarning, stacklevel=outside())
+            warn(message, AccuracyWarning)
 
 
 #: The unit in the words of tables and figures.

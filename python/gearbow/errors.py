@@ -4,6 +4,7 @@ This module imports nothing from the package: the compiled core imports it.
 """
 
 import sys
+import warnings
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -103,3 +104,8 @@ def outside() -> int:
     while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "gearbow":
         level, frame = level + 1, frame.f_back
     return level + 1
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Warn at the line of the user."""
+    warnings.warn(message, category, stacklevel=outside())

@@ -51,6 +51,35 @@ class SignalSensor(Sensor):
     def _sensed(self, motion: Motion) -> Any:
         """Give the part of the signal that is linear in the motion."""
 
+    def _measured(self, run: RunRecord) -> Array:
+        """Give the signal of a recorded run."""
+        measured: Array = self._sensed(lambda quantity, at: motion(run, quantity, at))
+        return measured
+
+    def measure(self, recording: Recorded) -> Array:
+        """Measure a recorded motion.
+
+        Parameters
+        ----------
+        recording : Response
+            The recorded run.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Signal at the recorded times, in the `unit` of the sensor: displacement towards a probe,
+            or along +x, plus run-out; acceleration without gravity; torque or bending moment.
+
+        Raises
+        ------
+        ChannelError
+            If a motion or section forces were not recorded; the message says what to record. If an
+            axial sensor measures a system without axial motion.
+        SceneError
+            If the function of a run-out gives no finite numbers.
+        """
+        return self._measured(recorded_run(recording, "recording"))
+
 
 def degrees_text(angle: float) -> str:
     """Give an angle in degrees for a label."""
@@ -252,39 +281,12 @@ class Probe(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and direction.
-        """
+        """Name of the signal in tables and figures: kind, place and direction."""
         axial = ", axial" if self.axial else ""
         return f"probe {self.shaft} at {self.position:g} m, {degrees_text(self.angle)}{axial}"
 
-    def measure(self, recording: Recorded) -> Array:
-        """Measure a recorded motion.
-
-        Parameters
-        ----------
-        recording : Response
-            The recorded run.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Displacement towards the probe, or along +x, plus run-out [m].
-
-        Raises
-        ------
-        ChannelError
-            If a motion was not recorded; the message says what to record. If an axial probe
-            measures a system without axial motion.
-        SceneError
-            If the function of the run-out gives no finite numbers.
-        """
-        run = recorded_run(recording, "recording")
-        towards: Array = self._sensed(lambda quantity, at: motion(run, quantity, at))
+    def _measured(self, run: RunRecord) -> Array:
+        towards = super()._measured(run)
         if self.runout is None:
             return towards
         twist = motion(run, "twist", (self.shaft, self.position))
@@ -392,38 +394,9 @@ class Accelerometer(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and direction.
-        """
+        """Name of the signal in tables and figures: kind, place and direction."""
         direction = "axial" if self.axial else degrees_text(self.angle)
         return f"accelerometer {place_label(self.at)}, {direction}"
-
-    def measure(self, recording: Recorded) -> Array:
-        """Measure a recorded motion.
-
-        Parameters
-        ----------
-        recording : Response
-            The recorded run.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Acceleration in the direction of the sensor, without gravity [m/s²].
-
-        Raises
-        ------
-        ChannelError
-            If the acceleration was not recorded; the message says what to record. If an axial
-            sensor measures a system without axial motion.
-        """
-        run = recorded_run(recording, "recording")
-        measured: Array = self._sensed(lambda quantity, at: motion(run, quantity, at))
-        return measured
 
     def _sensed(self, motion: Motion) -> Any:
         if self.axial:
@@ -481,35 +454,11 @@ class StrainGauge(SignalSensor):
 
     @property
     def label(self) -> str:
-        """Name of the signal in tables and figures.
-
-        Returns
-        -------
-        str
-            Kind, place and quantity.
-        """
+        """Name of the signal in tables and figures: kind, place and quantity."""
         direction = f", {degrees_text(self.angle)}" if self.quantity == "bending" else ""
         return f"strain gauge {place_label(self.at)} {self.quantity}{direction}"
 
-    def measure(self, recording: Recorded) -> Array:
-        """Measure a recorded run.
-
-        Parameters
-        ----------
-        recording : Response
-            The recorded run.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Torque or bending moment [N m].
-
-        Raises
-        ------
-        ChannelError
-            If the section forces were not recorded; the message says what to record.
-        """
-        run = recorded_run(recording, "recording")
+    def _measured(self, run: RunRecord) -> Array:
         sections, forces = access.section_forces(run, self.at)
         values = forces[:, access.at_side(sections, "before")]
         if self.quantity == "torque":

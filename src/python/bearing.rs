@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::Depythonizer;
 
-use super::convert::table;
+use super::convert::{plain, table};
 use super::errors::caught;
 use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
@@ -28,7 +28,7 @@ pub fn table_at_frequency<'py>(
     if let Some(range) = found.excludes_frequency(frequency) {
         return Err(place.error(outside_frequencies(range, frequency)).into());
     }
-    Ok(pythonize::pythonize(py, &found.at_frequency(frequency).description())?)
+    plain(py, &found.at_frequency(frequency).description())
 }
 
 /// Computes displacement (2,), stiffness and damping (2, 2) of a journal bearing under a static load over (y, z), N, at a

@@ -1,4 +1,4 @@
-//! Conversion of vectors, matrices and mesh quantities to NumPy arrays.
+//! Conversion of descriptions to plain Python data, and of vectors, matrices and mesh quantities to NumPy arrays.
 //!
 //! The core orders coordinates by shaft and motion; Python orders them by node (see `model/numbering.rs`).
 
@@ -6,13 +6,49 @@ use nalgebra::{DMatrix, DVector};
 use numpy::ndarray::{Array1, Array2, Array3};
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList, PyMapping, PyString};
+use pythonize::{PythonizeNamedMappingType, PythonizeTypes, pythonize_custom};
+use serde::Serialize;
 
 use crate::analysis::Kept;
 use crate::connection::{BEARING_CHANNELS, Channel, MESH_CHANNELS, ROLLING_CHANNELS};
 use crate::linalg::Sparse;
 use crate::model::{Model, Numbering};
 use crate::scene::SceneError;
+
+/// Gives a description as plain data, in which fields that are not given are absent.
+pub fn plain<'py>(py: Python<'py>, description: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+    Ok(pythonize_custom::<GivenFields, _>(py, description)?)
+}
+
+/// Structures are dictionaries without the fields that are none.
+struct GivenFields;
+
+impl PythonizeTypes for GivenFields {
+    type Map = PyDict;
+    type NamedMap = Self;
+    type List = PyList;
+}
+
+impl PythonizeNamedMappingType for GivenFields {
+    type Builder<'py> = Bound<'py, PyDict>;
+
+    fn builder<'py>(py: Python<'py>, _: usize, _: &'static str) -> PyResult<Self::Builder<'py>> {
+        Ok(PyDict::new(py))
+    }
+
+    fn push_field<'py>(
+        fields: &mut Self::Builder<'py>,
+        name: Bound<'py, PyString>,
+        value: Bound<'py, PyAny>,
+    ) -> PyResult<()> {
+        if value.is_none() { Ok(()) } else { fields.set_item(name, value) }
+    }
+
+    fn finish<'py>(fields: Self::Builder<'py>) -> PyResult<Bound<'py, PyMapping>> {
+        Ok(fields.into_mapping())
+    }
+}
 
 /// Converts an (n, n) matrix from the coordinate order of the core to that of Python.
 pub fn outside_matrix(numbering: &Numbering, inside: &DMatrix<f64>) -> Array2<f64> {

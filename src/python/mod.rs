@@ -3,8 +3,10 @@
 //! `handle` is the class `Model`, `model` its methods, which call `frequency`, `sensitivity`, `simulate`,
 //! `steady`, `sections`, `bearing` and `gears`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
 //! and for the end of the sweep to which it belongs. Options, speeds, final states and responses are serde structs
-//! (`options`, `speed`, `state`, `response`); `entries` reads them with errors that name the entry. `convert` makes NumPy
-//! arrays, `errors` exceptions and warnings.
+//! (`options`, `speed`, `state`, `response`); `entries` reads them with errors that name the entry. `convert` makes plain
+//! descriptions and NumPy arrays, `errors` exceptions and warnings.
+
+#![expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 
 mod background;
 mod bearing;

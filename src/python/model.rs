@@ -4,9 +4,9 @@ use nalgebra::{Complex, DMatrix, DVector};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use pythonize::{Depythonizer, pythonize};
+use pythonize::Depythonizer;
 
-use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_sparse, outside_vector, table};
+use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_sparse, outside_vector, plain, table};
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
 use super::options::{RecordEntry, run_options};
@@ -91,12 +91,12 @@ impl PyModel {
     }
 
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(pythonize(py, &self.description)?)
+        plain(py, &self.description)
     }
 
     /// The description with the chosen numbers and degrees of elements.
     fn resolved<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(pythonize(py, &self.resolved.description)?)
+        plain(py, &self.resolved.description)
     }
 
     /// Level, expected error, permitted error and highest frequency [rad/s] of the chosen elements.
@@ -170,7 +170,6 @@ impl PyModel {
         .collect()
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn embed<'py>(
         &self,
         py: Python<'py>,
@@ -197,7 +196,6 @@ impl PyModel {
         PyArray1::from_slice(py, &self.model().scene.speed_ratios)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn indices(&self, at: At) -> PyResult<(Option<usize>, Option<usize>, Option<usize>)> {
         let model = self.model();
         let place = EntryPath::root("at");
@@ -316,7 +314,6 @@ impl PyModel {
         Ok(dict)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn campbell<'py>(
         &self,
         py: Python<'py>,
@@ -333,7 +330,6 @@ impl PyModel {
         frequency::critical_speeds(self, py, order, count)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn critical_speed_map(
         &self,
         py: Python<'_>,
@@ -345,7 +341,6 @@ impl PyModel {
         frequency::critical_speed_map(self, py, &stiffnesses, order, count, threads)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn synchronous<'py>(
         &self,
         py: Python<'py>,
@@ -356,7 +351,6 @@ impl PyModel {
         frequency::synchronous(self, py, &speeds, excitation, threads)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn frequency_response<'py>(
         &self,
         py: Python<'py>,
@@ -369,7 +363,6 @@ impl PyModel {
         frequency::frequency_response(self, py, &frequencies, &speeds, &sources, threads)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn peaks(
         &self,
         py: Python<'_>,
@@ -385,7 +378,6 @@ impl PyModel {
     /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix; less those of
     /// `base`, another model with its outputs. `at` is the real and the imaginary part of the rate, and the speed.
     #[pyo3(signature = (at, scale, sources, outputs, base=None))]
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn harmonic_terms<'py>(
         &self,
         py: Python<'py>,
@@ -420,13 +412,11 @@ impl PyModel {
     }
 
     /// Rates 2ζω, 1/s, of the modal damping of this system for modes with these ω², 1/s².
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn damping_rates<'py>(&self, py: Python<'py>, squares: PyReadonlyArray1<'_, f64>) -> Bound<'py, PyArray1<f64>> {
         let squares = squares.as_array().to_vec();
         DampedMotions::rates(&self.model().scene.modal_damping, &squares).into_pyarray(py)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn harmonic_adjoint<'py>(
         &self,
         py: Python<'py>,
@@ -438,7 +428,6 @@ impl PyModel {
     }
 
     /// Changes of the equilibrium `state` under small forces, (forces, n).
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn static_changes<'py>(
         &self,
         py: Python<'py>,
@@ -531,7 +520,6 @@ impl PyModel {
     }
 
     /// Section forces (k, 6) at the cuts of a shaft in a state at rest.
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn static_section_forces<'py>(
         &self,
         py: Python<'py>,
@@ -544,7 +532,6 @@ impl PyModel {
     }
 
     /// Phasors (m, k, 6) of the section forces at the cuts of a shaft in m harmonic motions.
-    #[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
     fn harmonic_section_forces<'py>(
         &self,
         py: Python<'py>,

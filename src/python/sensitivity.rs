@@ -205,7 +205,6 @@ pub fn harmonic_adjoint<'py>(
 /// rates λ of the motions e^{λt} and speeds, rad/s.
 /// `integrations` is the number of integrations of each source.
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 pub fn motion_forms<'py>(
     py: Python<'py>,
     rates: PyReadonlyArray1<'py, Complex<f64>>,

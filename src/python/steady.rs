@@ -191,7 +191,6 @@ pub fn multipliers<'py>(
 /// The reason for which a run ends early, or Ctrl-C.
 #[pyfunction]
 #[pyo3(signature = (model, *, initial, states, levels, kept=None, **options))]
-#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 pub fn corrected_states<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
@@ -246,7 +245,6 @@ pub fn initial_state<'py>(
 /// The reason for which the run ends early, or Ctrl-C.
 #[pyfunction]
 #[pyo3(signature = (model, *, initial, state, samples, record, kept=None, **options))]
-#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 pub fn recorded_period<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
@@ -282,7 +280,6 @@ fn core_order(owner: &PyModel, state: &[f64]) -> PyResult<Vec<f64>> {
 /// # Errors
 /// [`SceneError`] for a state of another system.
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "pyo3 extracts arguments by value")]
 pub fn user_order<'py>(
     model: &Bound<'py, PyModel>,
     state: PyReadonlyArray1<'py, f64>,

@@ -17,9 +17,10 @@ from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, BalanceTarget, ComplexArray, Excitation
 from gearbow.analysis.protocol import S, System, variant
 from gearbow.description.gears import Disk, Gear
-from gearbow.description.layout import left_out
+from gearbow.description.layout import left_out, shafts_of_bodies
 from gearbow.description.places import place_label, places
 from gearbow.errors import SceneError
+from gearbow.results.synchronous import semi_axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,23 +97,14 @@ class Balance(WithSpeeds, Figured, ReadOnly, Generic[S]):
 
     @property
     def shaft(self) -> str:
-        """Shaft of the planes.
-
-        Returns
-        -------
-        str
-            Its name.
-        """
+        """Name of the shaft of the planes."""
         return shaft_of_planes(self.system, self.planes)
 
     @property
     def residual_ratio(self) -> float:
-        """Norm of the residual divided by the norm before balancing.
+        """Norm of the residual divided by the norm before balancing; 0 without vibration.
 
-        Returns
-        -------
-        float
-            Ratio of the root sums of squares over speeds and points; 0 without vibration.
+        Both are root sums of squares over speeds and points.
         """
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.residual)) / before if before else 0.0
@@ -141,13 +133,6 @@ class Balance(WithSpeeds, Figured, ReadOnly, Generic[S]):
             Column("unbalance", np.abs(self.unbalances), "kg m", ".4g", Written("g mm", 1e6)),
             Column("angle", np.angle(self.unbalances), "rad", ".1f", in_degrees()),
         ]
-
-
-def semi_axes(amplitudes: ComplexArray) -> Array:
-    """Give the major semi-axes of orbits with amplitudes along y and z on the last axis."""
-    v, w = np.moveaxis(amplitudes, -1, 0)
-    semi_axes: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
-    return semi_axes
 
 
 def balance(  # numpydoc ignore=PR01
@@ -283,12 +268,6 @@ def _without_unbalance(system: S) -> S:
     gears = [replace(gear, unbalance=0.0) for gear in system.gears]
     disks = [replace(disk, unbalance=0.0) for disk in system.disks]
     return variant(system, gears=gears, disks=disks)
-
-
-def shafts_of_bodies(system: System) -> dict[str, str]:
-    """Give the shaft of each gear and disk."""
-    own = {gear.name: gear.shaft for gear in system.gears}
-    return own | {disk.name: disk.shaft for disk in system.disks}
 
 
 def shaft_of_planes(system: System, planes: Sequence[At]) -> str:

@@ -10,18 +10,13 @@ import numpy as np
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
 from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
-from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES, BowLimit
+from gearbow.description.bow_limit import VELOCITIES, BowLimit, largest_displacement
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.load_rating import load_for_hours, rating_of, ring_ratios
 from gearbow.description.loads import AnyBearing, Bearing
-from gearbow.description.places import (
-    Places,
-    Support,
-    housing_and_interface,
-    place_label,
-)
+from gearbow.description.places import Places, Support, housing_and_interface, place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.errors import ChannelError, GearbowError, SceneError
 from gearbow.results.response import Response
@@ -319,9 +314,8 @@ def _displacement(motion: BowMotion, limit: BowLimit) -> Check:
         signal = motion.relative(limit.at, limit.support)
     why, given = "peak-to-peak", limit.value
     if isinstance(given, str):
-        turns = 30.0 / math.pi * abs(motion.speed * _ratio(motion, limit.at))
-        factor, largest = DISPLACEMENTS[given]
-        allowed, why = min(factor / math.sqrt(turns) if turns else math.inf, largest), given
+        speed = motion.speed * _ratio(motion, limit.at)
+        allowed, why = largest_displacement(given, speed), given
     else:
         allowed = given
     directions = _towards(limit)
@@ -339,9 +333,8 @@ def _displacement(motion: BowMotion, limit: BowLimit) -> Check:
 def _ratio(motion: BowMotion, at: Any) -> float:
     """Give the speed ratio of the shaft of a place; that of the bowed one for a housing."""
     base = motion.variants.base
-    names = [shaft.name for shaft in base.shafts]
-    own = base.coordinates.shaft(at)
-    return float(base.speed_ratios[names.index(own if own in names else motion.variants.shafts[0])])
+    ratios = ratios_by_shaft(base)
+    return ratios.get(base.coordinates.shaft(at), ratios[motion.variants.shafts[0]])
 
 
 def _velocity(motion: BowMotion, limit: BowLimit) -> Check:

@@ -44,7 +44,7 @@ from gearbow.studies.result import Tradeoff
 from gearbow.system.read import REXS, format_of
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
-from gearbow.units.speed import given_unit, speed_text
+from gearbow.units.speed import as_given, given_unit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -125,7 +125,7 @@ def report(given: argparse.Namespace) -> Answer:
         raise SceneError("--from: needs --to")
     if given.last is not None and given.first is None:
         # Journal bearings carry nothing at speed 0.
-        given.first = type(given.last)(0.05 * given.last)
+        given.first = as_given(0.05 * given.last, given_unit(given.last))
     speeds = None if given.last is None else spaced(given)
     same = ("modes", "endurance_limit", "tensile_strength", "language", "progress")
     system = read_system(given)

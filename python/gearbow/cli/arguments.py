@@ -22,10 +22,9 @@ from gearbow.results.steady import SteadyState
 from gearbow.system.rotor_system import RotorSystem
 from gearbow.units.parse import parsed
 from gearbow.units.speed import (
-    RevolutionsPerMinute,
-    RevolutionsPerMinuteArray,
-    SpeedUnit,
+    as_given,
     given_unit,
+    other_unit,
     speed_factor,
     unit_in_texts,
 )
@@ -63,8 +62,8 @@ def quantity(field: str) -> Callable[[str], float]:
 
 def speed(text: str) -> float:
     """Read a speed; a plain number is in rad/s."""
-    value = quantity("speed")(text)
-    return RevolutionsPerMinute(value) if unit_in_texts(text) == "rpm" else value
+    found: float = as_given(quantity("speed")(text), unit_in_texts(text))
+    return found
 
 
 def spectrum_case(text: str) -> tuple[float, float, float]:
@@ -198,16 +197,15 @@ def spaced(given: argparse.Namespace) -> Array:
             f"--to: need --points of at least 2, and --to above --from or, of negative speeds, "
             f"below it, got {given.points} points from {given.first:g} to {given.last:g} rad/s"
         )
-    values: Array = np.linspace(given.first, given.last, given.points)
-    is_rpm = given_unit((given.first, given.last)) == "rpm"
-    return values.view(RevolutionsPerMinuteArray) if is_rpm else values
+    values = np.linspace(given.first, given.last, given.points)
+    found: Array = as_given(values, given_unit((given.first, given.last)))
+    return found
 
 
 def speed_line(*speeds: float) -> str:
     """Write the speeds in the given unit and in the other one, e.g. "1500 rad/s = 14,324 rpm"."""
-    units: tuple[SpeedUnit, ...] = ("rad/s", "rpm")
     given = given_unit(speeds) or "rad/s"
-    (other,) = (unit for unit in units if unit != given)
+    other = other_unit(given)
     own = " to ".join(f"{speed_factor(given) * value:.6g}" for value in speeds)
     found = [speed_factor(other) * value for value in speeds]
     texts = [f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.5g}" for value in found]

@@ -10,6 +10,7 @@ from gearbow._lookup import one_of
 from gearbow._types import At, StrengthLine
 from gearbow.description.part import Part
 from gearbow.description.places import place
+from gearbow.units.speed import speed_factor
 
 #: Peak-to-peak displacement of a shaft relative to its bearing: factor over √n with the speed n in
 #: rpm, and the largest value [m]. ISO 20816-3 (before: ISO 7919-3), boundaries of its zones; API
@@ -20,6 +21,15 @@ DISPLACEMENTS = {
     "ISO 20816-3 C/D": (13200e-6, math.inf),
     "API 617": (25.4e-6 * math.sqrt(12000.0), 25.4e-6),
 }
+
+
+def largest_displacement(standard: str, speed: float) -> float:
+    """Give the largest peak-to-peak displacement [m] of a shaft at its speed [rad/s]."""
+    factor, largest = DISPLACEMENTS[standard]
+    turns = speed_factor("rpm") * abs(speed)
+    return min(factor / math.sqrt(turns) if turns else math.inf, largest)
+
+
 #: RMS velocity of a bearing housing [m/s]: ISO 20816-3, boundaries of its zones by group of
 #: machines (1: above 300 kW, 2: 15 to 300 kW) and foundation.
 VELOCITIES = {
@@ -99,11 +109,6 @@ class BowLimit(Part):
         support : str, optional
             Support, housing or point of a housing on which the probe stands; None is the ground.
 
-        Returns
-        -------
-        BowLimit
-            The limit.
-
         Raises
         ------
         SceneError
@@ -128,11 +133,6 @@ class BowLimit(Part):
         angle : float, optional
             Direction, from y towards z [rad]; None is the one with the largest velocity.
 
-        Returns
-        -------
-        BowLimit
-            The limit.
-
         Raises
         ------
         SceneError
@@ -151,11 +151,6 @@ class BowLimit(Part):
             The mesh: (driver, driven) in either order, or "driver/driven".
         least : float
             Smallest contact ratio at any instant.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("contact_ratio", place(at, kind="mesh"), positive(least, "least"))
 
@@ -169,11 +164,6 @@ class BowLimit(Part):
             The mesh: (driver, driven) in either order, or "driver/driven".
         factor : float
             Largest mesh force of the steady motion over the static one.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("mesh_force", place(at, kind="mesh"), positive(factor, "factor"))
 
@@ -187,11 +177,6 @@ class BowLimit(Part):
             Shaft and position of the bearing [m].
         force : float
             Largest force [N].
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("bearing_force", place(at, kind="bearing"), positive(force, "force"))
 
@@ -220,11 +205,6 @@ class BowLimit(Part):
             Basic dynamic load rating C [N]; None is that of the bearing.
         exponent : float, optional
             Exponent p; None is that of the bearing, 3 for balls and 10/3 for rollers.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls(
             "bearing_life",
@@ -257,11 +237,6 @@ class BowLimit(Part):
             Tensile strength of the material [Pa].
         line : {"goodman", "din743"}
             How a mean stress lowers the endured amplitude.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls(
             "stress",
@@ -281,11 +256,6 @@ class BowLimit(Part):
             Shaft and position of the journal bearing [m].
         thickness : float
             Smallest film thickness at any instant [m].
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("film", place(at, kind="bearing"), positive(thickness, "thickness"))
 
@@ -303,11 +273,6 @@ class BowLimit(Part):
         approach : float
             Largest elastic approach of the rings [m]: the displacement of the shaft relative to
             what the bearing stands on, less the radial gap, which is half of the clearance.
-
-        Returns
-        -------
-        BowLimit
-            The limit.
         """
         return cls("clearance", place(at, kind="bearing"), positive(approach, "approach"))
 

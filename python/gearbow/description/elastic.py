@@ -123,14 +123,11 @@ class ElasticBody(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "ElasticBody":
-        given = dict(description)
-        given["interfaces"] = {
+        interfaces = {
             name: {key: tuples(value) for key, value in own.items()}
             for name, own in description["interfaces"].items()
         }
-        for name in ("frequencies", "damping_ratios", "translation"):
-            given[name] = tuples(description.get(name))
-        return cls(**given)
+        return super()._from_description({**description, "interfaces": interfaces})
 
 
 def _lists(value: Any) -> Plain:

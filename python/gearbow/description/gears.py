@@ -1,11 +1,10 @@
 """Gears, disks and meshes, and the errors, relief and friction of their teeth."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any
 
-from gearbow._types import At, Plain
+from gearbow._types import At
 from gearbow.description.part import Part, freeze
 from gearbow.description.stiffness import Stiffness
 
@@ -134,20 +133,8 @@ class MeshFriction(Part):
     transition: float = 0.1
 
 
-class _Body(Part):
-    """Base of disks and gears: a quantity with an angle in the shaft is complex."""
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> Any:
-        given = dict(description)
-        for key in ("unbalance", "runout"):
-            if isinstance(given.get(key), (list, tuple)):
-                given[key] = complex(*given[key])
-        return cls(**given)
-
-
 @dataclass(frozen=True)
-class Disk(_Body):
+class Disk(Part):
     """A rigid disk on a shaft.
 
     Parameters
@@ -183,7 +170,7 @@ class Disk(_Body):
 
 
 @dataclass(frozen=True)
-class Gear(_Body):
+class Gear(Part):
     """A spur or helical gear: a rigid disk with involute teeth.
 
     Parameters
@@ -283,8 +270,7 @@ class Mesh(Part):
         mesh force can then be tensile. False: only flanks in contact are damped. Without backlash
         or without damping, both values give the same motion.
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
-        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+        Loss factor η of the stiffness, as for `Bearing`.
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     tooth_angle : float
@@ -334,17 +320,3 @@ class Mesh(Part):
     error: TransmissionError | None = None
     friction: float | MeshFriction | None = None
     carrier: At | None = None
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Mesh":
-        given = dict(description)
-        if isinstance(given.get("stiffness"), Mapping):
-            given["stiffness"] = Stiffness._from_description(given["stiffness"])
-        if isinstance(given.get("friction"), Mapping):
-            given["friction"] = MeshFriction._from_description(given["friction"])
-        if isinstance(given.get("carrier"), (list, tuple)):
-            given["carrier"] = tuple(given["carrier"])
-        for key, kind in (("tip_relief", TipRelief), ("error", TransmissionError)):
-            if key in given:
-                given[key] = kind._from_description(given[key])
-        return cls(**given)

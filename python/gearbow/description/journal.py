@@ -1,7 +1,7 @@
 """Journal bearings and squeeze films: the oil film around a shaft or around a ring."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +12,9 @@ from gearbow._convert import number
 from gearbow._core import film_coefficients, squeeze_force
 from gearbow._extras import extra
 from gearbow._shown import ReadOnly
-from gearbow._types import Array, FilmModel, Plain, Profile, Reduction, Rupture
+from gearbow._types import Array, FilmModel, Profile, Reduction, Rupture
 from gearbow.description.part import Part, freeze
-from gearbow.description.places import Base, Support, with_support
+from gearbow.description.places import Base, Support
 from gearbow.errors import SceneError
 
 if TYPE_CHECKING:
@@ -247,8 +247,7 @@ class JournalBearing(Part):
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
     support : str, Support or tuple of (str, float), optional
-        What it stands on: the name of a support or housing of the system, a support of its own, or
-        (shaft, position [m]) of another shaft. None is the ground.
+        What it stands on, as for `Bearing`.
 
     Notes
     -----
@@ -334,13 +333,6 @@ class JournalBearing(Part):
         """
         return _coefficients(self, load, speed)
 
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "JournalBearing":
-        given = with_support(description)
-        if "pads" in given:
-            given["pads"] = tuple(Pad._from_description(pad) for pad in given["pads"])
-        return cls(**given)
-
 
 @dataclass(frozen=True)
 class TiltingPadBearing(Part):
@@ -395,7 +387,7 @@ class TiltingPadBearing(Part):
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
     support : str, Support or tuple of (str, float), optional
-        What it stands on, as for `JournalBearing`.
+        What it stands on, as for `Bearing`.
 
     Notes
     -----
@@ -469,10 +461,6 @@ class TiltingPadBearing(Part):
         # Alone, a bearing has no coordinates: a pad may be without inertia or load.
         alone = dataclasses.replace(self, reduced="synchronous")
         return _coefficients(alone, load, speed, frequency)
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "TiltingPadBearing":
-        return cls(**with_support(description))
 
 
 @dataclass(frozen=True, eq=False)

@@ -91,7 +91,8 @@ def ratios_by_shaft(system: Train) -> dict[str, float]:
     return dict(zip(names, system.speed_ratios.tolist(), strict=True))
 
 
-def _shafts_of_bodies(system: Train) -> dict[str, str]:
+def shafts_of_bodies(system: Train) -> dict[str, str]:
+    """Give the shaft of each gear and disk by its name."""
     shafts = {gear.name: gear.shaft for gear in system.gears}
     return shafts | {disk.name: disk.shaft for disk in system.disks}
 
@@ -100,7 +101,7 @@ def mesh_orders(system: Train) -> list[float]:
     """Give the tooth frequency of each mesh over the speed of the reference shaft."""
     ratios = ratios_by_shaft(system)
     gears = {gear.name: gear for gear in system.gears}
-    shafts = _shafts_of_bodies(system)
+    shafts = shafts_of_bodies(system)
     found = []
     for mesh in system.meshes:
         driver, carrier = gears[mesh.driver], 0.0
@@ -164,7 +165,7 @@ class Kinematics(Shown):
     def of(cls, system: Train) -> "Kinematics":
         """Find the kinematics of a system."""
         signed = ratios_by_shaft(system)
-        bodies = _shafts_of_bodies(system)
+        bodies = shafts_of_bodies(system)
         meshes = [
             (mesh.driver, mesh.driven, bodies[mesh.driver], bodies[mesh.driven], order)
             for mesh, order in zip(system.meshes, mesh_orders(system), strict=True)

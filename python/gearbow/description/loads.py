@@ -10,7 +10,7 @@ from gearbow._convert import complex_number, real
 from gearbow._types import At, Plain, RollingContact
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.part import Part
-from gearbow.description.places import Base, place, with_support
+from gearbow.description.places import Base, place
 from gearbow.description.rolling import ROLLING_FIELDS, RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.description.time_series import TimeSeries, described_value
@@ -81,16 +81,6 @@ class Coupling(Part):
         # The inherited method cannot convert places: it gets texts, which `at` then replaces.
         return super(Coupling, replace(self, a="a", b="b"))._describe(path) | at
 
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Coupling":
-        given = dict(description)
-        for key in ("a", "b"):
-            given[key] = _place(given[key])
-        for key in ("offset", "angle", "runout"):
-            if isinstance(given.get(key), (list, tuple)):
-                given[key] = complex(*given[key])
-        return cls(**given)
-
 
 @dataclass(frozen=True)
 class Drive(Part):
@@ -121,10 +111,6 @@ class Drive(Part):
     def _describe(self, path: str) -> dict[str, Plain]:
         at = place(self.at, f"{path}.at")
         return super(Drive, replace(self, at="at"))._describe(path) | {"at": at}
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Drive":
-        return cls(**{**description, "at": _place(description["at"])})
 
 
 @dataclass(frozen=True)
@@ -167,20 +153,6 @@ class Force(Part):
         if axial != 0.0:
             given["axial"] = axial
         return given
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Force":
-        value = description["value"]
-        if isinstance(value, Mapping):
-            value = TimeSeries._from_description(value)
-        elif isinstance(value, (list, tuple)):
-            value = complex(*value)
-        axial = description.get("axial", 0.0)
-        return cls(_place(description["at"]), value, description.get("order"), axial)
-
-
-def _place(at: Plain) -> At:
-    return at if isinstance(at, str) else (at[0], at[1])
 
 
 @dataclass(frozen=True)
@@ -254,11 +226,7 @@ class Bearing(Part):
             return TiltingPadBearing._from_description(description)
         if "stiffness" not in description:
             return JournalBearing._from_description(description)
-        given = with_support(description)
-        for key in ("stiffness", "damping"):
-            if isinstance(given.get(key), Mapping):
-                given[key] = SpeedTable._from_description(given[key])
-        return cls(**given)
+        return super()._from_description(description)
 
 
 #: A bearing of any class.
@@ -320,12 +288,7 @@ class Torque(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Torque":
-        at = description["at"]
-        at = at if isinstance(at, str) else (at[0], at[1])
-        if description.get("balance"):
-            return cls.balance(at)
-        value = description["value"]
-        if isinstance(value, Mapping):
-            kind: type[Part] = SpeedTable if "speeds" in value else TimeSeries
-            value = kind._from_description(value)
-        return cls(at, value)
+        given = dict(description)
+        if given.pop("balance", False):
+            given["value"] = "balance"
+        return super()._from_description(given)

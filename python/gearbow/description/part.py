@@ -55,8 +55,11 @@ class Part(CheckedKeywords, Shown):
 
     @classmethod
     def _from_description(cls: type[P], description: Mapping[str, Plain]) -> P:
-        """Make the part from its plain description."""
-        return cls(**description)
+        """Make the part, or the subclass with the given fields, from its plain description."""
+        part = _fitting((cls, *cls.__subclasses__()), description)
+        kinds = _kinds(part)  # type: ignore[arg-type]  # classes have hashes
+        given = {name: _made(value, kinds.get(name, ())) for name, value in description.items()}
+        return part(**given)
 
 
 @cache
@@ -85,7 +88,7 @@ def _members(union: Any) -> tuple[Any, ...]:
 
 def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
     """Convert the value of a field to plain data."""
-    parts_allowed = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Part)]
+    parts_allowed = _classes(kinds)
     if isinstance(value, Part) and parts_allowed:
         return expect(value, parts_allowed[0], path)._describe(path)
     if ArrayLike in kinds:
@@ -107,12 +110,43 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
         return truth(value, path)
     if parts_allowed:
         return expect(value, parts_allowed[0], path)._describe(path)
-    for kind in kinds:
-        entries = [entry for entry in get_args(kind) if isinstance(entry, type)]
-        if get_origin(kind) is Sequence and entries and issubclass(entries[0], Part):
-            found = parts(value, entries[0], path)
-            return [part._describe(f"{path}[{i}]") for i, part in enumerate(found)]
-    return nested(value, path)
+    entry = _class_of_entries(kinds)
+    if entry is None:
+        return nested(value, path)
+    return [part._describe(f"{path}[{i}]") for i, part in enumerate(parts(value, entry, path))]
+
+
+def _made(value: Plain, kinds: tuple[Any, ...]) -> Any:
+    """Convert plain data to the value of a field, the inverse of `_read`."""
+    if isinstance(value, Mapping):
+        classes = _classes(kinds)
+        return _fitting(classes, value)._from_description(value) if classes else value
+    if not isinstance(value, list | tuple):
+        return value
+    if complex in kinds:
+        return complex(*value)
+    if any(get_origin(kind) is tuple for kind in kinds):
+        return tuples(value)
+    entry = _class_of_entries(kinds)
+    return value if entry is None else tuple(map(entry._from_description, value))
+
+
+def _fitting(classes: Sequence[type[P]], description: Mapping[str, Plain]) -> type[P]:
+    """Choose the class that has all fields of a plain description."""
+    names = description.keys()
+    fitting = (one for one in classes if names <= one.__dataclass_fields__.keys())  # type: ignore[attr-defined]
+    return next(fitting, classes[0])
+
+
+def _classes(kinds: Iterable[Any]) -> list[type[Part]]:
+    """Give the parts among the types of a field."""
+    return [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Part)]
+
+
+def _class_of_entries(kinds: Iterable[Any]) -> type[Part] | None:
+    """Give the class of the entries of a field that is a sequence of parts."""
+    entries = [get_args(kind)[0] for kind in kinds if get_origin(kind) is Sequence]
+    return next(iter(_classes(entries)), None)
 
 
 def _read_place(value: Sequence[object], form: tuple[Any, ...], path: str) -> list[Plain]:

@@ -43,8 +43,7 @@ class Support(Part):
     axial_damping : float
         Damping to the ground or housing along the axis [N s/m].
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
-        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+        Loss factor η of the stiffness, as for `Bearing`.
     support : str or (str, str), optional
         Name of the housing on which the support stands, or (elastic housing, interface). Stiffness,
         damping and film then act between the support and the place of its bearing on the housing,
@@ -66,12 +65,6 @@ class Support(Part):
     axial_damping: float = 0.0
     loss_factor: float = 0.0
     support: str | tuple[str, str] | None = None
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Support":
-        """Make a support, or the subclass that has a field which only it has."""
-        own = [kind for kind in cls.__subclasses__() if "viscosity" in description]
-        return (own[0] if own else cls)(**with_support(description))
 
 
 #: What a bearing stands on: the name of a support or housing, a support, (shaft, position [m]), or
@@ -101,17 +94,6 @@ def name_of_housing(base: object) -> str | None:
     return seat[0] if seat is not None else base if isinstance(base, str) else None
 
 
-def with_support(part: Mapping[str, Plain]) -> dict[str, Any]:
-    """Replace the description of what a part stands on by the support or the place."""
-    given = dict(part)
-    base = given.get("support")
-    if isinstance(base, Mapping):
-        given["support"] = Support._from_description(base)
-    elif isinstance(base, (list, tuple)):
-        given["support"] = tuple(base)
-    return given
-
-
 @dataclass(frozen=True)
 class Housing(Part):
     """A rigid body on springs and dampers that carries several bearings.
@@ -139,8 +121,7 @@ class Housing(Part):
     axial_damping : float
         Damping to the ground along the axis at the centre of mass [N s/m].
     loss_factor : float
-        Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
-        Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+        Loss factor η of the stiffness, as for `Bearing`.
     inertia : (float, float, float), optional
         Moments of inertia about the axes through the centre of mass parallel to x, y and z
         [kg m²]; products of inertia are neglected. None: the housing does not rotate.
@@ -284,13 +265,8 @@ class Housing(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "Housing":
-        given = dict(description)
-        given["points"] = {
-            name: tuples(place) for name, place in description.get("points", {}).items()
-        }
-        if "elastic" in given:
-            given["elastic"] = ElasticBody._from_description(given["elastic"])
-        return cls(**given)
+        points = {name: tuples(place) for name, place in description.get("points", {}).items()}
+        return super()._from_description({**description, "points": points})
 
 
 #: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.

@@ -1,6 +1,5 @@
 """Rolling bearings: balls or rollers between a shaft and what it stands on."""
 
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -12,7 +11,7 @@ from gearbow._core import ring_coefficients, rolling_coefficients, rolling_estim
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, Plain, RollingContact, RollingKind
 from gearbow.description.part import Part
-from gearbow.description.places import Base, with_support
+from gearbow.description.places import Base
 from gearbow.errors import SceneError
 
 #: Fields of a rolling bearing of which a description has at least one.
@@ -202,8 +201,7 @@ class RollingBearing(Part):
         deep groove ball bearings of the series 60, 62 and 63, or that of ISO 281 and ISO 76 for the
         elements.
     support : str, Support or tuple of (str, float), optional
-        What it stands on: the name of a support or housing of the system, a support of its own, or
-        (shaft, position [m]) of another shaft. None is the ground.
+        What it stands on, as for `Bearing`.
 
     Notes
     -----
@@ -396,11 +394,8 @@ class RollingBearing(Part):
     def estimate(self) -> RollingEstimate | None:
         """Elements estimated from a designation or from boundary dimensions.
 
-        Returns
-        -------
-        RollingEstimate or None
-            The estimate, without the fields that the bearing gives itself; None for a bearing
-            without designation and boundary.
+        Fields that the bearing gives itself are left out; None for a bearing without designation
+        and boundary.
         """
         found = rolling_estimate(self._describe("bearing"))
         return None if found is None else RollingEstimate(**found)
@@ -409,22 +404,16 @@ class RollingBearing(Part):
     def stiffness_of_contact(self) -> float:
         """Stiffness K of one element between both races, given or that of the geometry.
 
-        Returns
-        -------
-        float
-            Stiffness [N/m^1.5], or [N/m^(10/9)] for a roller.
+        Its unit is N/m^1.5, or N/m^(10/9) for a roller.
         """
         found = rolling_coefficients(self._describe("bearing"), (0.0, 0.0), None)
         return found["hertz_stiffness"]
 
     @property
     def cage_order(self) -> float:
-        """Speed of the cage over the speed of the shaft.
+        """Speed of the cage over the speed of the shaft, where the outer ring stands.
 
-        Returns
-        -------
-        float
-            (1 − (d/D) cos α)/2, where the outer ring stands.
+        It is (1 − (d/D) cos α)/2.
         """
         found = rolling_coefficients(self._describe("bearing"), (0.0, 0.0), None)
         return found["cage_ratio"]
@@ -433,10 +422,7 @@ class RollingBearing(Part):
     def ball_pass_order(self) -> float:
         """Frequency at which elements pass a point of the outer ring, over that of the shaft.
 
-        Returns
-        -------
-        float
-            The number of elements times `cage_order`.
+        It is the number of elements times `cage_order`.
         """
         return self._count * self.cage_order
 
@@ -460,10 +446,3 @@ class RollingBearing(Part):
         estimate = self.estimate if self.contact is None else None
         length = None if estimate is None else estimate.roller_length
         return self.contact == "roller" or length is not None
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "RollingBearing":
-        given = with_support(description)
-        if "boundary" in given:
-            given["boundary"] = tuple(given["boundary"])
-        return cls(**given)

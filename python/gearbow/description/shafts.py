@@ -5,7 +5,7 @@ names the entry.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
@@ -113,10 +113,6 @@ class Segment(Part):
             diameters |= {"inner_diameter": inner, "end_inner_diameter": end_inner}
         return replace(self, length=(end - begin) * self.length, elements=1, **diameters)
 
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Segment":
-        return cls(**_with_material(description))
-
 
 @dataclass(frozen=True)
 class Sleeve(Part):
@@ -156,10 +152,6 @@ class Sleeve(Part):
     material: Material = STEEL
     stiffness: str | float = "none"
 
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Sleeve":
-        return cls(**_with_material(description))
-
     @property
     def _fraction(self) -> float:
         """Give the fraction of its stiffness that acts."""
@@ -196,18 +188,6 @@ class Notch(Part):
     position: float
     bending: float = 1.0
     torsion: float = 1.0
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Notch":
-        return cls(**description)
-
-
-def _with_material(description: Mapping[str, Plain]) -> dict[str, Any]:
-    """Give the arguments of a part, with its material as one."""
-    given = dict(description)
-    if "material" in given:
-        given["material"] = Material._from_description(given["material"])
-    return given
 
 
 @dataclass(frozen=True)
@@ -306,15 +286,6 @@ class Shaft(Part):
             ]
         length = math.fsum(lengths)
         return length if 0.0 < length < math.inf else None
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Shaft":
-        given = _with_material(description)
-        if "bow" in given:
-            given["bow"] = Bow._from_description(given["bow"])
-        if "segments" in given:
-            given["segments"] = tuple(Segment._from_description(s) for s in given["segments"])
-        return cls(**given)
 
 
 def segments_of(shaft: Shaft) -> Sequence[Segment]:

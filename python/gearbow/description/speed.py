@@ -1,7 +1,6 @@
 """Speeds and speed profiles, and tables of coefficients over the speed."""
 
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, get_args
@@ -15,7 +14,7 @@ from gearbow._lookup import one_of
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, BearingQuantity, OutsideTable, Plain, TableAxes
 from gearbow.description.part import Part, freeze
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 
 #: Tolerance of the sampling of a function, relative to the largest speed. Each cubic piece is
 #: compared with the function at two points; elsewhere the error is at most twice as large.
@@ -84,11 +83,6 @@ class SpeedProfile(ReadOnly):
         begin : float
             Time at which the change begins [s].
 
-        Returns
-        -------
-        SpeedProfile
-            The profile.
-
         Raises
         ------
         SceneError
@@ -111,11 +105,6 @@ class SpeedProfile(ReadOnly):
             Times, ascending [s].
         speeds : array_like, shape (m + 1,)
             Speeds [rad/s].
-
-        Returns
-        -------
-        SpeedProfile
-            The profile.
 
         Raises
         ------
@@ -379,7 +368,7 @@ class SpeedTable(Part):
 
     @classmethod
     def _from_description(cls, description: Mapping[str, Plain]) -> "SpeedTable":
-        return cls(**{"speeds": None, **description})
+        return super()._from_description({"speeds": None, **description})
 
     def at_frequency(self, frequency: float) -> "SpeedTable | Array":
         """Give the coefficient at one frequency, as a run in time needs it.
@@ -446,11 +435,6 @@ class SpeedTable(Part):
             {"speed": "rpm", "stiffness": "N/um"}. Without them the numbers are in SI units.
         outside : str
             What holds outside the speeds, see the class.
-
-        Returns
-        -------
-        SpeedTable
-            The table.
 
         Raises
         ------
@@ -537,10 +521,9 @@ def _warn_of_masses(path: str | os.PathLike[str], masses: Mapping[str, Array]) -
     """Warn of added masses, which a bearing of gearbow does not have."""
     given = [f"{name} up to {max(abs(m)):.4g} kg" for name, m in masses.items() if np.any(m)]
     if given:
-        warnings.warn(
+        warn(
             f"{os.fspath(path)}: the added masses are left out: {', '.join(given)}",
             SceneWarning,
-            stacklevel=outside(),
         )
 
 

@@ -186,11 +186,6 @@ class Stiffness(Part):
             as a fraction of the base pitch. The default is 0.1.
         phase : {"twist", "prescribed"}
             What determines the position of the teeth on the path of contact; see the class.
-
-        Returns
-        -------
-        Stiffness
-            The stiffness.
         """
         return cls(
             "parabolic",

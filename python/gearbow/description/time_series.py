@@ -108,10 +108,6 @@ class TimeSeries(Part):
                 ]
         return given
 
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "TimeSeries":
-        return cls(**description)
-
 
 def _numbers(given: object, name: str) -> tuple[float | complex, ...]:
     """Convert real or complex values, or pairs [re, im], to a tuple."""

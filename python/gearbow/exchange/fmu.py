@@ -126,13 +126,7 @@ class Train:
 
     def _register(self) -> None:
         """Declare the variables of the unit."""
-        from pythonfmu3 import (  # noqa: PLC0415  # every unit contains it
-            Float64,
-            Fmi3Causality,
-            Fmi3Initial,
-            Fmi3Variability,
-            Unit,
-        )
+        from pythonfmu3 import Float64, Fmi3Causality, Fmi3Initial, Fmi3Variability, Unit  # noqa: PLC0415  # every unit contains it
 
         inputs = {label: "rad/s" if label == "speed" else "N m" for label in self._inputs}
         known = {*inputs.values(), *(unit for _, unit in self._outputs)} & _UNITS.keys()

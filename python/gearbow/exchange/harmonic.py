@@ -1,7 +1,6 @@
-"""Curves of a frequency response as tables, data sets and files, and measured curves from files."""
+"""Curves of a frequency response as data sets and files, and measured curves from files."""
 
 import re
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BufferedRandom
@@ -16,7 +15,7 @@ from gearbow._files import parsing
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.loads import Force, Torque
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 from gearbow.exchange.tables import NamedColumns, read_table
 from gearbow.exchange.universal import (
     FORCE,
@@ -34,7 +33,6 @@ from gearbow.exchange.universal import (
 from gearbow.units.fields import MOTIONS
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
 #: Directions of a response in UFF 58, and the dimension of a displacement there.
@@ -70,29 +68,11 @@ class Curve:
         return _text(self.at)
 
     @property
-    def label(self) -> str:
+    def name(self) -> str:
         """Name of a column."""
         kind = "" if self.kind == "displacement" else f"{self.kind} "
         direction = "" if self.direction == "mesh" else self.direction
-        return f"{self.place} {kind}{direction}".rstrip() + f" [{self.unit}]"
-
-
-def to_dataframe(
-    curves: Iterable[Curve], frequencies: Array, speeds: Array, sources: Sequence[str]
-) -> "pd.DataFrame":
-    """Give curves as a table with one row for each frequency and source."""
-    with extra("dataframe"):
-        import pandas as pd  # noqa: PLC0415
-
-    count = len(sources)
-    columns: dict[str, Any] = {
-        "frequency [rad/s]": np.repeat(frequencies.ravel(), count),
-        "speed [rad/s]": np.repeat(speeds.ravel(), count),
-        "source": list(sources) * frequencies.size,
-    }
-    columns |= {curve.label: curve.values.ravel() for curve in curves}
-    table: pd.DataFrame = pd.DataFrame(columns)
-    return table
+        return f"{self.place} {kind}{direction}".rstrip()
 
 
 def to_xarray(
@@ -110,12 +90,11 @@ def to_xarray(
     dimensions = (*axes, "source")
     variables: dict[str, Any] = {}
     for curve in curves:
-        name, unit = curve.label.rsplit(" [", 1)
         values: Any = curve.values
         shape = dimensions
         if parts:
             values, shape = np.stack([values.real, values.imag], axis=-1), (*dimensions, "part")
-        variables[name.replace("/", " – ")] = (shape, values, {"units": unit[:-1]})
+        variables[curve.name.replace("/", " – ")] = (shape, values, {"units": curve.unit})
     given: dict[str, Any] = {"source": ("source", np.array(sources))}
     if parts:
         given["part"] = ("part", np.array(["real", "imaginary"]))
@@ -163,7 +142,7 @@ def write_uff(
         for number, (source, given) in enumerate(zip(sources, plain, strict=True)):
             reference = reference_of(given)
             names = [
-                line_of(f"{curve.label} due to {source}"),
+                line_of(f"{curve.name} [{curve.unit}] due to {source}"),
                 line_of(f"at {float(speeds.ravel()[0])!r} rad/s of the reference shaft"),
                 whole_line(f"place {curve.place}"),
                 whole_line(f"source {source}"),
@@ -258,13 +237,7 @@ class MeasuredCurve(ReadOnly):
 
     @property
     def label(self) -> str:
-        """Name of the curve in figures.
-
-        Returns
-        -------
-        str
-            Place and direction.
-        """
+        """Name of the curve in figures: place and direction."""
         return f"{_text(self.at)} {self.direction}"
 
 
@@ -369,11 +342,10 @@ def _read_uff(
             f"{path}: has no frequency response function of a motion (data set 58){what[:300]}"
         )
     if left:
-        warnings.warn(
+        warn(
             f"{path}: left out {len(left)} data sets 58 that are no frequency response functions "
             f"of a motion, the first {left[0].removeprefix(f'{path}: ')}",
             SceneWarning,
-            stacklevel=outside(),
         )
     return curves
 

@@ -25,7 +25,7 @@ from gearbow.exchange.rexs_file import (
 )
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
 from gearbow.exchange.rexs_planetary import Planets, with_orbits
-from gearbow.units.speed import RevolutionsPerMinute
+from gearbow.units.speed import as_given, speed_text
 
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {
@@ -76,7 +76,7 @@ class LoadCase(Shown):
     torques: dict[str, float]
 
     def __str__(self) -> str:
-        speed = "no speed" if self.speed is None else f"{self.speed * 30.0 / math.pi:.6g} rpm"
+        speed = "no speed" if self.speed is None else speed_text(self.speed, "rpm")
         torques = [f'"{name}" {torque:.6g} N m' for name, torque in self.torques.items()]
         return f"load case {self.number}: {', '.join([speed, *torques])}"
 
@@ -524,7 +524,8 @@ class _Train:
         if not shaft.has("rotational_speed"):
             return None
         # REXS has speeds in 1/min: results at this speed show them in rpm.
-        return RevolutionsPerMinute(shaft.number("rotational_speed", "speed"))
+        found: float = as_given(shaft.number("rotational_speed", "speed"), "rpm")
+        return found
 
     def _loads(self, case: Mapping[int, Component]) -> list[Component]:
         return [each for each in case.values() if each.kind == "external_load"]

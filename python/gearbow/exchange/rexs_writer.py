@@ -5,7 +5,6 @@ Each part is taken out of the description field by field; what remains is what R
 
 import math
 import os
-import warnings
 from collections.abc import Sequence
 from datetime import datetime, timezone
 from decimal import Decimal
@@ -18,7 +17,7 @@ from gearbow._core import __version__
 from gearbow._files import check_name, replacing
 from gearbow._types import Array
 from gearbow.description.rolling import RollingBearing
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 from gearbow.exchange.rexs_file import ENDINGS
 from gearbow.exchange.rexs_joints import OPERATING, STIFFNESSES
 
@@ -53,11 +52,10 @@ def write_rexs(description: dict[str, Any], layout: "Layout", path: str | os.Pat
     with replacing(found) as file:
         file.write(ET.tostring(model, encoding="utf-8", xml_declaration=True) + b"\n")
     if writer.left:
-        warnings.warn(
+        warn(
             f"{found}: REXS cannot hold, and the file does not contain: "
             f"{', '.join(sorted(writer.left))}",
             SceneWarning,
-            stacklevel=outside(),
         )
 
 

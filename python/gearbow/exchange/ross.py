@@ -15,7 +15,6 @@ import json
 import math
 import os
 import sys
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,7 +25,7 @@ import numpy as np
 from gearbow._files import parsing, reading
 from gearbow._types import Array, Plain
 from gearbow.description.places import cleaned
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -221,11 +220,10 @@ def _density(file: _File, name: str, gear: Mapping[str, Any]) -> float:
         return float(gear["material"]["rho"])
     before = [one for _, one in file.all("ShaftElement") if one["n"] <= gear["n"]]
     density = max(before, key=lambda one: int(one["n"]))["material"]["rho"]
-    warnings.warn(
+    warn(
         f"{file.path}: {name}: the file does not contain the material of the gear; its mass is "
         f"that with the density of its shaft, {density:g} kg/m³",
         SceneWarning,
-        stacklevel=outside(),
     )
     return float(density)
 
@@ -342,11 +340,10 @@ def _shafts(
         for n, position in enumerate(positions, start=begin):
             places[n] = {"shaft": name, "position": position}
     if any(not one.get("rotary_inertia", True) for _, one in file.all("ShaftElement")):
-        warnings.warn(
+        warn(
             f"{file.path}: rotary_inertia is false for some elements of the shaft; gearbow "
             "includes the rotary inertia of all, which lowers frequencies of short shafts",
             SceneWarning,
-            stacklevel=outside(),
         )
     return shafts, sleeves, places
 
@@ -400,11 +397,10 @@ def _shaft(
     if axial_force:
         described["axial_force"] = axial_force
         if first.get("beta"):
-            warnings.warn(
+            warn(
                 f"{file.path}: beta of ROSS includes the stiffness of the axial force, that of "
                 "gearbow does not; tension damps modes more in ROSS, and compression less",
                 SceneWarning,
-                stacklevel=outside(),
             )
     return described, sleeves, positions
 

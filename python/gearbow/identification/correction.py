@@ -11,14 +11,14 @@ from gearbow._convert import array
 from gearbow._result import Column, Figured, Written, in_degrees
 from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray
-from gearbow.analysis.balance import Balance, balance, semi_axes, shaft_of_planes, with_unbalances
+from gearbow.analysis.balance import Balance, balance, shaft_of_planes, with_unbalances
 from gearbow.analysis.protocol import S
 from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.identification.fit import RELATIVE_STEP
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.responses import LinearModel, assembled
-from gearbow.results.synchronous import Synchronous
+from gearbow.results.synchronous import Synchronous, semi_axes
 from gearbow.units.speed import SpeedUnit, given_unit, shown_unit, speed_factor, speed_text
 
 if TYPE_CHECKING:
@@ -212,10 +212,7 @@ class Correction(Figured, ReadOnly, Generic[S]):
     def remaining_share(self) -> float:
         """Share of the vibration that no weights in these planes can remove.
 
-        Returns
-        -------
-        float
-            RMS of `remaining` over the RMS before.
+        It is the RMS of `remaining` over the RMS before.
         """
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.remaining)) / before if before > 0.0 else 0.0

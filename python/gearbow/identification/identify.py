@@ -1,6 +1,5 @@
 """`gearbow.identify`: bow, unbalance, run-out and parameters from measured 1× vibration."""
 
-import warnings
 from collections.abc import Sequence
 from statistics import NormalDist
 from typing import Any
@@ -12,7 +11,7 @@ from gearbow._convert import array, items, shown, truth
 from gearbow._types import Array
 from gearbow.analysis.protocol import S
 from gearbow.description.layout import left_out
-from gearbow.errors import AccuracyWarning, SceneError, outside
+from gearbow.errors import AccuracyWarning, SceneError, warn
 from gearbow.identification.fit import (
     WeightedFit,
     chi_squared_tail,
@@ -236,12 +235,11 @@ def _warn_of_opposite_sense(model: LinearModel[Any], found: WeightedFit) -> bool
     own = float(np.linalg.norm(np.abs(found.residual) / found.noise))
     is_better = opposite < _OPPOSITE * own
     if is_better:
-        warnings.warn(
+        warn(
             f"measured: with phases of the opposite sign, {100.0 * opposite / own:.2g} % of the "
             "residual remains: check whether phases are lags, and the sense of rotation (the sign "
             "of the speeds)",
             AccuracyWarning,
-            stacklevel=outside(),
         )
     return is_better
 
@@ -263,11 +261,10 @@ def _warn_of_smooth_residual(model: LinearModel[Any], found: WeightedFit) -> Non
     # An amplitude is two numbers.
     if (1.0 - ratio) * np.sqrt(2 * between.size) > _SMOOTH:
         residual, scatter = (1e6 * np.sqrt(each.mean() / 2.0) for each in (total, between))
-        warnings.warn(
+        warn(
             f"noise: the residual of {residual:.3g} µm is alike at neighbouring speeds, whose "
             f"differences show a noise of {scatter:.3g} µm: the model does not describe the "
             "vibration, and the intervals are too small; add unknowns, or give noise= at least the "
             "error of the model",
             AccuracyWarning,
-            stacklevel=outside(),
         )

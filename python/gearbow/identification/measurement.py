@@ -3,7 +3,6 @@
 import math
 import os
 import re
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
@@ -18,7 +17,7 @@ from gearbow._result import Column, Figured, in_degrees, in_micrometres
 from gearbow._shown import ReadOnly, span
 from gearbow._types import Array, At, ComplexArray
 from gearbow.description.places import place
-from gearbow.errors import AccuracyWarning, SceneError, outside
+from gearbow.errors import AccuracyWarning, SceneError, warn
 from gearbow.exchange.tables import DETECTIONS, VIBRATION, NamedColumns, Table, read_table
 from gearbow.sensors import Probe, Tacho
 from gearbow.units.parse import parsed
@@ -391,13 +390,7 @@ class Measurement(Figured, ReadOnly):
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Names of the probes; with their reference shaft where it is not their own.
-
-        Returns
-        -------
-        tuple of str
-            A label for each probe.
-        """
+        """Names of the probes; with their reference shaft where it is not their own."""
         return tuple(
             probe.label + ("" if name == probe.shaft else f", 1× {name}")
             for probe, name in zip(self.probes, self.references, strict=True)
@@ -547,9 +540,8 @@ def _warn_of_missing(table: ComplexArray, speeds: Array, probes: list[Probe], pa
     missing = np.argwhere(np.isnan(table))
     if missing.size:
         row, column = missing[0]
-        warnings.warn(
+        warn(
             f"{path}: {len(missing)} of {table.size} amplitudes are missing, the first that of "
             f"{probes[column].label} at {speeds[row]:.6g} rad/s",
             AccuracyWarning,
-            stacklevel=outside(),
         )

@@ -14,11 +14,11 @@ from gearbow._convert import shown
 from gearbow._lookup import nearest
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
-from gearbow.analysis.balance import body_of, shafts_of_bodies, with_unbalances
+from gearbow.analysis.balance import body_of, with_unbalances
 from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import S, System, variant, without_scene_warnings
 from gearbow.description.bow import Bow, scaled
-from gearbow.description.layout import ratios_by_shaft
+from gearbow.description.layout import ratios_by_shaft, shafts_of_bodies
 from gearbow.description.places import place_label
 from gearbow.description.shafts import Shaft, segments_of
 from gearbow.description.train import Parameter

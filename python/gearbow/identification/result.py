@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import text
 from gearbow._lookup import nearest
-from gearbow._result import Column, Figured, Written
+from gearbow._result import Column, Figured, in_degrees
 from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
@@ -155,36 +155,21 @@ class Identification(Figured, ReadOnly, Estimates[S]):
 
     @property
     def standard_deviations(self) -> Array:
-        """Standard deviation of each component.
-
-        Returns
-        -------
-        ndarray, shape (components,)
-            In the unit of the component.
-        """
+        """Standard deviation of each component, in its unit; shape (components,)."""
         deviations: Array = np.sqrt(np.diag(self.covariance))
         return deviations
 
     @property
     def intervals(self) -> Array:
-        """The 95 % interval of each component.
-
-        Returns
-        -------
-        ndarray, shape (components, 2)
-            Lower and upper limit.
-        """
+        """Lower and upper limit of the 95 % interval of each component, shape (components, 2)."""
         half = self.factor * self.standard_deviations
         return np.column_stack([self.estimates - half, self.estimates + half])
 
     @property
     def correlation(self) -> Array:
-        """Correlation of the components.
+        """Correlation of the components, shape (components, components).
 
-        Returns
-        -------
-        ndarray, shape (components, components)
-            Between −1 and 1; zero for a component with an infinite variance.
+        Values are between −1 and 1; zero for a component with an infinite variance.
         """
         deviations = self.standard_deviations
         with np.errstate(invalid="ignore"):
@@ -195,13 +180,10 @@ class Identification(Figured, ReadOnly, Estimates[S]):
 
     @property
     def half_widths(self) -> Array:
-        """Half width of the 95 % interval of each amplitude and of its angle.
+        """Half width of the 95 % interval of each amplitude and of its angle, shape (unknowns, 2).
 
-        Returns
-        -------
-        ndarray, shape (unknowns, 2)
-            In the unit of the unknown, and in rad: along and across the amplitude. The angle is
-            unknown (π) where the interval contains zero; it is NaN for a parameter.
+        The units are that of the unknown, along the amplitude, and rad, across it. The angle is
+        unknown (π) where the interval contains zero; it is NaN for a parameter.
         """
         found = np.full((len(self.names), 2), np.nan)
         for j, (value, own) in enumerate(zip(self.values, self._groups(), strict=True)):
@@ -366,15 +348,14 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         written = [_WRITTEN.get(unit, (unit, 1.0)) for unit in self.units]
         factors = np.array([factor for _, factor in written])
         half = self.half_widths
-        degrees = Written("°", 180.0 / np.pi)
         angles = np.where(np.isnan(half[:, 1]), np.nan, np.angle(self.values))
         return [
             Column("unknown", list(self.names)),
             Column("estimate", factors * self._sizes(), "", ".5g"),
             Column("±", factors * half[:, 0], "", ".2g"),
             Column("unit", [unit for unit, _ in written]),
-            Column("angle", angles, "rad", ".1f", degrees),
-            Column("± angle", half[:, 1], "rad", ".1f", degrees),
+            Column("angle", angles, "rad", ".1f", in_degrees()),
+            Column("± angle", half[:, 1], "rad", ".1f", in_degrees()),
             Column("detectable", factors * self.detectable, "", ".2g"),
         ]
 

@@ -8,7 +8,6 @@ the remainder is reported.
 """
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,7 @@ from gearbow._shown import ReadOnly
 from gearbow._types import Array, ComplexArray, Record, SignalQuantity
 from gearbow.description.layout import Kinematics, Order
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import AccuracyWarning, GearbowError, outside
+from gearbow.errors import AccuracyWarning, GearbowError, warn
 from gearbow.orders.separation import (
     ALWAYS,
     MOST_HARMONICS,
@@ -125,13 +124,9 @@ class Orders(WithSpeeds, Result, ReadOnly):
 
     @property
     def rest_share(self) -> float:
-        """Share of the remainder in the motion.
+        """RMS of the remainder divided by the RMS of the signal about its mean.
 
-        Returns
-        -------
-        float
-            RMS of the remainder divided by the RMS of the signal about its mean: 0 if the orders
-            contain the complete motion; 0 for a constant signal.
+        It is 0 if the orders contain the complete motion, and for a constant signal.
         """
         power = float(np.linalg.norm(self.tracks)) / math.sqrt(2.0 * self.times.size)
         total = math.hypot(self.rest, power)
@@ -446,4 +441,4 @@ def _warn(found: Orders, values: Array, shortcoming: str | None, noise: float) -
             "shaft_harmonics, mesh_harmonics or sidebands"
         )
     if reasons:
-        warnings.warn(f"orders: {'. '.join(reasons)}", AccuracyWarning, stacklevel=outside())
+        warn(f"orders: {'. '.join(reasons)}", AccuracyWarning)

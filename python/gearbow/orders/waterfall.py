@@ -16,12 +16,7 @@ from gearbow._extras import extra
 from gearbow._lookup import checked
 from gearbow._result import Column, Result, WithSpeeds, in_micrometres, written_unit
 from gearbow._shown import ReadOnly
-from gearbow._types import (
-    Array,
-    Record,
-    SignalQuantity,
-    Window,
-)
+from gearbow._types import Array, Record, SignalQuantity, Window
 from gearbow.description.layout import Kinematics
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import GearbowError, SceneError

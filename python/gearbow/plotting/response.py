@@ -10,12 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearbow._types import Array
-from gearbow.plotting.orders import (
-    name_orders,
-    say_resolution,
-    spectral_lines,
-    spectrum_limits,
-)
+from gearbow.plotting.orders import name_orders, say_resolution, spectral_lines, spectrum_limits
 from gearbow.plotting.style import (
     MICRO,
     PALETTE,

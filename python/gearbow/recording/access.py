@@ -107,34 +107,23 @@ class EnergyBalance(Figured, ReadOnly):
 
     @property
     def total(self) -> Array:
-        """Total energy of the system.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Kinetic energy and elastic energy of shafts, bearings and meshes [J].
-        """
+        """Kinetic energy and elastic energy of shafts, bearings and meshes [J], shape (k,)."""
         return self.kinetic + self.shafts + self.bearings + self.meshes
 
     @property
     def work(self) -> Array:
-        """Total work on the system since the start of the run.
+        """Total work on the system since the start of the run [J], shape (k,).
 
-        Returns
-        -------
-        ndarray, shape (k,)
-            Work of torque, gravity, drive, unbalance, teeth and damping [J].
+        It is the work of torque, gravity, drive, unbalance, teeth and damping.
         """
         return self.torque + self.gravity + self.drive + self.unbalance + self.teeth + self.damping
 
     @property
     def residual(self) -> Array:
-        """Change of energy that the work does not explain, since the first recorded time.
+        """Change of energy that the work does not explain since the first recorded time.
 
-        Returns
-        -------
-        ndarray, shape (k,)
-            Change of `total` minus the change of `work` [J]: the integration error.
+        The unit is J, the shape (k,). It is the change of `total` minus the change of `work`: the
+        integration error.
         """
         total, work = self.total, self.work
         return (total - total[:1]) - (work - work[:1])

@@ -80,13 +80,7 @@ class ContactShares(Shown):
 
     @property
     def lost(self) -> float:
-        """Share of the time without contact of the drive flanks.
-
-        Returns
-        -------
-        float
-            Sum of `back` and `none`.
-        """
+        """Share of the time without contact of the drive flanks: `back` and `none`."""
         return self.back + self.none
 
 

@@ -16,13 +16,15 @@ import numpy as np
 from gearbow._result import Column, in_micrometres
 from gearbow._types import Array
 from gearbow.analysis.protocol import variant
-from gearbow.description.bow_limit import DISPLACEMENTS
+from gearbow.description.bow_limit import largest_displacement
+from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
-from gearbow.report.page import Block, Note, Table, picture
+from gearbow.report.page import Block, Table, note, picture
 from gearbow.report.shared import Contents
 from gearbow.report.texts import say
 from gearbow.results.modes import Modes
+from gearbow.units.speed import speed_factor
 
 #: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
 _UNBALANCE = 2.0 * 6350.0
@@ -47,7 +49,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
     speed, system = contents.need_operating(), contents.system
     bodies = [*system.gears, *system.disks]
     if not any(direction == "v" for *_, direction in system.dofs):
-        yield Note(say("Unbalance placement of API 617: the system has no lateral motion."))
+        yield note("Unbalance placement of API 617: the system has no lateral motion.")
         return
     planes: dict[str, complex] = {}
     rows: list[tuple[Any, ...]] = []
@@ -61,15 +63,13 @@ def unbalance(contents: Contents) -> Iterator[Block]:
             lacks = say("no mode of its own among {count}", count=len(contents.modes.whirl))
             if not own:
                 lacks = say("no gear or disk as a plane")
-            yield Note(
-                say(
-                    "Unbalance placement of API 617: {shaft} has {lacks}.",
-                    shaft=shaft.name,
-                    lacks=lacks,
-                )
+            yield note(
+                "Unbalance placement of API 617: {shaft} has {lacks}.",
+                shaft=shaft.name,
+                lacks=lacks,
             )
             continue
-        rpm = abs(ratio * speed) * 30.0 / math.pi
+        rpm = abs(ratio * speed) * speed_factor("rpm")
         amount = 1e-6 * _UNBALANCE * mass / rpm
         chosen = _planes(contents.modes, mode, own)
         planes |= {name: amount * share for name, share in chosen.items()}
@@ -116,13 +116,11 @@ def unbalance(contents: Contents) -> Iterator[Block]:
             )
             yield Table.of_result(peaks, title)
         else:
-            yield Note(
-                say(
-                    "Unbalance of API 617 on {shaft}: the response at {place} has no peak in this "
-                    "range.",
-                    shaft=name,
-                    place=place,
-                )
+            yield note(
+                "Unbalance of API 617 on {shaft}: the response at {place} has no peak in this "
+                "range.",
+                shaft=name,
+                place=place,
             )
     yield from _vibration(contents, made, list(first))
 
@@ -160,15 +158,13 @@ def _vibration(contents: Contents, made: Any, shafts: list[str]) -> Iterator[Blo
     found = made.synchronous(
         np.linspace(*operating, 9) if operating[0] != operating[1] else [operating[1]]
     )
-    factor, most = DISPLACEMENTS["API 617"]
-    ratios = dict(zip((s.name for s in made.shafts), made.speed_ratios, strict=True))
+    ratios = ratios_by_shaft(made)
     places = [(b.shaft, b.position) for b in made.bearings if b.shaft in shafts]
     if not places:
         return
     largest = [2.0 * float(found._own(found.orbit(at), at).max()) for at in places]
     limits = [
-        min(factor / math.sqrt(abs(ratios[shaft] * contents.speed) * 30.0 / math.pi), most)
-        for shaft, _ in places
+        largest_displacement("API 617", ratios[shaft] * contents.speed) for shaft, _ in places
     ]
     within = ["yes" if size <= limit else "no" for size, limit in zip(largest, limits, strict=True)]
     yield Table.of(
@@ -193,12 +189,10 @@ def level_1(contents: Contents) -> Iterator[Block]:
     system, speed = contents.system, contents.need_operating()
     name = say("Stability level 1 of API 617")
     if len(system.shafts) > 1:
-        yield Note(
-            say(
-                "{name}: it is defined for one rotor, and this train has {count} shafts.",
-                name=name,
-                count=len(system.shafts),
-            )
+        yield note(
+            "{name}: it is defined for one rotor, and this train has {count} shafts.",
+            name=name,
+            count=len(system.shafts),
         )
         return
     modes, (shaft,) = contents.modes, system.shafts
@@ -214,7 +208,7 @@ def level_1(contents: Contents) -> Iterator[Block]:
         lacks = say("no forward mode among {count}", count=len(modes.whirl))
         if not bodies:
             lacks = say("no disk or gear")
-        yield Note(say("{name}: the rotor has {lacks}.", name=name, lacks=lacks))
+        yield note("{name}: the rotor has {lacks}.", name=name, lacks=lacks)
         return
     mode = forward[0]
     body = max(bodies, key=lambda body: float(np.abs(modes.displacement(body.name)[mode]).max()))
@@ -234,20 +228,21 @@ def level_1(contents: Contents) -> Iterator[Block]:
 
     first = decrement(0.0)
     if not first > 0.0:
-        text = say("{name}: the first forward mode is unstable without cross coupling.", name=name)
-        yield Note(text, warning=True)
+        yield note(
+            "{name}: the first forward mode is unstable without cross coupling.",
+            warning=True,
+            name=name,
+        )
         return
     # A mass m on a shaft with the damping c loses it at the stiffness c ω, which is m ω² δ/π.
     mass = float(system.mass_properties().mass.sum())
     scale = mass * (2.0 * math.pi * float(modes.frequencies_hz[mode])) ** 2 * first / math.pi
     removing = _zero(decrement, first, scale)
     if removing is None:
-        yield Note(
-            say(
-                "{name}: a cross-coupled stiffness at {body} does not remove the damping.",
-                name=name,
-                body=body.name,
-            )
+        yield note(
+            "{name}: a cross-coupled stiffness at {body} does not remove the damping.",
+            name=name,
+            body=body.name,
         )
         return
     # Unequal bearings keep the damping up to a stiffness at which it falls steeply.
@@ -270,18 +265,16 @@ def level_1(contents: Contents) -> Iterator[Block]:
     )
     if not largest > 0.0:
         passed = say("Level 1 is not passed even without cross coupling")
-    yield Note(
-        say(
-            "{name}: the decrement is {first} without cross coupling and zero at Q₀ = {zero} N/m. "
-            "{passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, diameters and "
-            "densities of the stages, which a scene does not have; the criterion of the gas "
-            "density is not evaluated.",
-            name=name,
-            first=f"{first:.3g}",
-            zero=f"{limits[0]:.3g}",
-            passed=passed,
-        ),
+    yield note(
+        "{name}: the decrement is {first} without cross coupling and zero at Q₀ = {zero} N/m. "
+        "{passed} (Q₀/Q_A ≥ 2, decrement ≥ 0.1). Q_A follows from power, diameters and "
+        "densities of the stages, which a scene does not have; the criterion of the gas "
+        "density is not evaluated.",
         warning=not largest > 0.0,
+        name=name,
+        first=f"{first:.3g}",
+        zero=f"{limits[0]:.3g}",
+        passed=passed,
     )
 
 

@@ -13,10 +13,10 @@ from gearbow._progress import reported
 from gearbow._types import Progress
 from gearbow.description.time_series import refuse_functions
 from gearbow.report.contents import SECTIONS
-from gearbow.report.page import Block, Code, Note, Section, write
+from gearbow.report.page import Block, Code, Section, note, write
 from gearbow.report.shared import Contents, Options
 from gearbow.report.texts import say, speaking, word
-from gearbow.units.speed import SpeedUnit, speed_text
+from gearbow.units.speed import other_unit, speed_text
 
 #: Sections whose findings come first in the summary; the others follow in their order.
 _FIRST = ("resonances", "criticals", "stability", "strength", "life", "motion", "bow", "static")
@@ -52,8 +52,8 @@ def _write(path: Path, contents: Contents, sections: list[Section]) -> None:
     summary.blocks += [block for _, block in found]
     if len(sections) < len(SECTIONS):
         left = ", ".join(say(title) for _, title, _ in SECTIONS[len(sections) :])
-        text = say("The report was stopped. It lacks: {sections}.", sections=left)
-        summary.blocks.append(Note(text, warning=True))
+        stopped = note("The report was stopped. It lacks: {sections}.", warning=True, sections=left)
+        summary.blocks.append(stopped)
     again = contents.section("reproduction", say("Reproduction"), lambda made: _again(path, made))
     options = contents.options
     facts = [(say(name), text) for name, text in options.imprint]
@@ -67,7 +67,7 @@ def _write(path: Path, contents: Contents, sections: list[Section]) -> None:
     if options.operating is not None:
         both = [
             _range([speed_text(speed, unit) for speed in options.operating])
-            for unit in (options.unit, _other(options.unit))
+            for unit in (options.unit, other_unit(options.unit))
         ]
         text = say("{speed} ({other}), of the reference shaft", speed=both[0], other=both[1])
         facts.append((say("operating speed"), text))
@@ -87,21 +87,15 @@ def _range(texts: list[str]) -> str:
     )
 
 
-def _other(unit: SpeedUnit) -> SpeedUnit:
-    return "rpm" if unit == "rad/s" else "rad/s"
-
-
 def _again(path: Path, contents: Contents) -> Iterator[Block]:
     """Say how to make the report again."""
     system, options = contents.system, contents.options
-    yield Note(
-        say(
-            "Made by gearbow {version} with Python {python} and NumPy {numpy} on {platform}.",
-            version=__version__,
-            python=platform.python_version(),
-            numpy=np.__version__,
-            platform=f"{platform.platform(terse=True)}, {platform.machine()}",
-        )
+    yield note(
+        "Made by gearbow {version} with Python {python} and NumPy {numpy} on {platform}.",
+        version=__version__,
+        python=platform.python_version(),
+        numpy=np.__version__,
+        platform=f"{platform.platform(terse=True)}, {platform.machine()}",
     )
     arguments = [repr(path.name)]
     if options.operating is not None:

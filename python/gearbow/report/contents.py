@@ -19,16 +19,9 @@ from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, segments_of
 from gearbow.report import api617
 from gearbow.report.motion import motion
-from gearbow.report.page import Block, Note, Picture, Table, parts_tables, picture
+from gearbow.report.page import Block, Note, Picture, Table, note, parts_tables, picture
 from gearbow.report.resonances import resonances
-from gearbow.report.shared import (
-    UNDAMPED,
-    Contents,
-    Make,
-    margins,
-    reason_of,
-    resonances_of,
-)
+from gearbow.report.shared import UNDAMPED, Contents, Make, margins, reason_of, resonances_of
 from gearbow.report.strength import strength
 from gearbow.report.texts import say, word
 from gearbow.results.bow_limits import BowLimits
@@ -75,12 +68,10 @@ def drawing(contents: Contents) -> Iterator[Block]:
 def data(contents: Contents) -> Iterator[Block]:
     """List the data and what is assumed."""
     system = contents.system
-    yield Note(
-        say(
-            "Values are those of the description; fields that are not listed have their defaults. "
-            "x runs along the shafts; seen with +x towards the viewer, y points right and z up. "
-            "Positions count from the left end of a shaft."
-        )
+    yield note(
+        "Values are those of the description; fields that are not listed have their defaults. "
+        "x runs along the shafts; seen with +x towards the viewer, y points right and z up. "
+        "Positions count from the left end of a shaft."
     )
     yield from parts_tables(system)
     assumed = assumptions(system.shafts, system.gears, system.meshes, system.bearings)
@@ -99,11 +90,9 @@ def mass(contents: Contents) -> Iterator[Block]:
     found = system.mass_properties()
     yield Table.of_result(found, say("Mass properties of the shafts with sleeves, gears and disks"))
     reduced = float(system.speed_ratios**2 @ found.polar_inertia)
-    yield Note(
-        say(
-            "The polar inertia of all shafts, reduced to the reference shaft, is {inertia} kg m².",
-            inertia=f"{reduced:.4g}",
-        )
+    yield note(
+        "The polar inertia of all shafts, reduced to the reference shaft, is {inertia} kg m².",
+        inertia=f"{reduced:.4g}",
     )
 
 
@@ -130,7 +119,7 @@ def static(contents: Contents) -> Iterator[Block]:
         yield Table.of(say("Meshes at equilibrium"), columns)
         pair, state = max(zip(meshes, states, strict=True), key=lambda one: abs(one[1].force))
         force = f"{quantity(abs(state.force), 'N')}, {'–'.join(pair)}"
-        contents.find(say("Largest static mesh force: {force}.", force=force))
+        contents.find("Largest static mesh force: {force}.", force=force)
     yield picture(found.plot(), say("Static deflection of the shafts."))
 
 
@@ -141,18 +130,16 @@ def life(contents: Contents) -> Iterator[Block]:
     if all(getattr(one, "dynamic_rating", None) is None for one in bearings) and not any(
         isinstance(one, RollingBearing) for one in bearings
     ):
-        yield Note(say("No bearing is a rolling bearing or has a dynamic rating."))
+        yield note("No bearing is a rolling bearing or has a dynamic rating.")
         return
     found = contents.static.bearing_life()
     yield Table.of_result(found, say("Life of bearings"))
     yield picture(found.plot(), say("Basic rating life of the bearings."))
     first = found.shortest
     contents.find(
-        say(
-            "Shortest basic rating life: {hours} h, bearing {bearing}.",
-            hours=f"{first.hours:.4g}",
-            bearing=word(place_label(first.at)),
-        )
+        "Shortest basic rating life: {hours} h, bearing {bearing}.",
+        hours=f"{first.hours:.4g}",
+        bearing=word(place_label(first.at)),
     )
 
 
@@ -189,7 +176,7 @@ def campbell(contents: Contents) -> Iterator[Block]:
         title = say("Intersections and stability thresholds")
         yield Table.of_result(found, title, contents.numbers(found))
     else:
-        yield Note(say("No line of excitation crosses a mode, and no mode changes its stability."))
+        yield note("No line of excitation crosses a mode, and no mode changes its stability.")
 
 
 def criticals(contents: Contents) -> Iterator[Block]:
@@ -217,9 +204,9 @@ def criticals(contents: Contents) -> Iterator[Block]:
             ],
             [say(API_684), say(_OTHER_MODES)],
         )
-        contents.find(_nearest(contents, found))
+        _find_nearest(contents, found)
     else:
-        yield Note(say("No shaft excites a mode at its own frequency in this range of speeds."))
+        yield note("No shaft excites a mode at its own frequency in this range of speeds.")
     places = _largest(contents)
     close = 0
     for place in places:
@@ -231,19 +218,19 @@ def criticals(contents: Contents) -> Iterator[Block]:
                 say("Peaks of {place}, excited by {shaft}", place=at, shaft=peaks_at.source),
             )
         else:
-            yield Note(say("{place}: the response has no peak in this range of speeds.", place=at))
-    if operating is not None and places:
-        text = say(
+            yield note("{place}: the response has no peak in this range of speeds.", place=at)
+    if operating is not None and places and close:
+        contents.find(
+            "Separation margins after API RP 684: peaks of the response to bow and unbalance that "
+            "are too close to the operating speed, or unstable: {count}.",
+            warning=True,
+            count=close,
+        )
+    elif operating is not None and places:
+        contents.find(
             "Separation margins after API RP 684: no peak of the response to bow and unbalance is "
             "too close to the operating speed."
         )
-        if close:
-            text = say(
-                "Separation margins after API RP 684: peaks of the response to bow and unbalance "
-                "that are too close to the operating speed, or unstable: {count}.",
-                count=close,
-            )
-        contents.find(text, warning=close > 0)
     yield from api617.unbalance(contents)
 
 
@@ -253,7 +240,7 @@ API_684 = (
 )
 
 
-def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
+def _find_nearest(contents: Contents, found: Sequence[Intersection]) -> None:
     """Name the critical speeds that are nearest to the operating speed, in ascending order."""
     unit, speed = contents.options.unit, contents.speed
     near = sorted(
@@ -261,15 +248,17 @@ def _nearest(contents: Contents, found: Sequence[Intersection]) -> str:
         key=lambda one: abs(one.speed - speed),
     )[:_NAMED]
     if not near:
-        return say("No shaft excites a lightly damped mode at its own frequency.")
+        contents.find("No shaft excites a lightly damped mode at its own frequency.")
+        return
     texts = [
         f"{speed_factor(unit) * one.speed:.4g} ({one.line.name}, {word(one.whirl)})"
         for one in sorted(near, key=lambda one: abs(one.speed))
     ]
     speeds = ", ".join(texts)
     if len(near) == len(found):
-        return say("Critical speeds [{unit}]: {speeds}.", unit=unit, speeds=speeds)
-    return say("Nearest critical speeds [{unit}]: {speeds}.", unit=unit, speeds=speeds)
+        contents.find("Critical speeds [{unit}]: {speeds}.", unit=unit, speeds=speeds)
+    else:
+        contents.find("Nearest critical speeds [{unit}]: {speeds}.", unit=unit, speeds=speeds)
 
 
 _LINEARISED = (
@@ -326,22 +315,17 @@ def stability(contents: Contents) -> Iterator[Block]:
     state = say("unstable") if growing else say("stable")
     free = [i + 1 for i in order if abs(ratio[i]) <= UNDAMPED]
     contents.find(
-        say("The linear motion {where} is {state}.", where=where, state=state),
-        warning=bool(growing),
+        "The linear motion {where} is {state}.", warning=bool(growing), where=where, state=state
     )
     if len(free) == len(order) and not growing:
-        contents.find(
-            say("No mode has damping: resonances have no finite amplitude."), warning=True
-        )
-    yield Note(
-        say(
-            "The motion {where} is {state}: {growing} of {count} modes grow.",
-            where=where,
-            state=state,
-            growing=len(growing),
-            count=len(ratio),
-        ),
-        bool(growing),
+        contents.find("No mode has damping: resonances have no finite amplitude.", warning=True)
+    yield note(
+        "The motion {where} is {state}: {growing} of {count} modes grow.",
+        warning=bool(growing),
+        where=where,
+        state=state,
+        growing=len(growing),
+        count=len(ratio),
     )
     ranges = contents.campbell.unstable_ranges
     if ranges:
@@ -349,12 +333,11 @@ def stability(contents: Contents) -> Iterator[Block]:
             say("{low} to {high}", low=contents.text(low), high=contents.text(high))
             for low, high in ranges
         )
-        yield Note(say("Speeds at which a mode is unstable: {speeds}.", speeds=ends), True)
-        contents.find(
-            say("Speeds at which a mode is unstable: {speeds}.", speeds=ends), warning=True
+        yield contents.find(
+            "Speeds at which a mode is unstable: {speeds}.", warning=True, speeds=ends
         )
     else:
-        yield Note(say("No mode of the Campbell diagram is unstable in its range of speeds."))
+        yield note("No mode of the Campbell diagram is unstable in its range of speeds.")
     yield from api617.level_1(contents)
 
 
@@ -371,7 +354,7 @@ def response(contents: Contents) -> Iterator[Block]:
             if lateral
             else say("the system has no lateral motion")
         )
-        yield Note(say("There is no response to bow and unbalance: {reason}.", reason=reason))
+        yield note("There is no response to bow and unbalance: {reason}.", reason=reason)
         return
     curves, peaks = {}, {}
     for place in places:
@@ -428,7 +411,7 @@ def bow(contents: Contents) -> Iterator[Block]:
     """Give the largest bow of each shaft."""
     speed, system = contents.need_operating(), contents.system
     if not any(direction == "v" for *_, direction in system.dofs):
-        yield Note(say("A bow has no effect: the system has no lateral motion."))
+        yield note("A bow has no effect: the system has no lateral motion.")
         return
     for shaft in system.shafts:
         bearings = [bearing.position for bearing in system.bearings if bearing.shaft == shaft.name]
@@ -439,12 +422,12 @@ def bow(contents: Contents) -> Iterator[Block]:
             )
         except Exception as error:  # noqa: BLE001  # the limits of the other shafts are of use
             reason = reason_of(error)
-            yield Note(
-                say("{shaft}: not computed, because {reason}", shaft=shaft.name, reason=reason)
-            )
+            yield note("{shaft}: not computed, because {reason}", shaft=shaft.name, reason=reason)
             contents.find(
-                say("Limits of the bow of {shaft}: {reason}.", shaft=shaft.name, reason=reason),
+                "Limits of the bow of {shaft}: {reason}.",
                 warning=True,
+                shaft=shaft.name,
+                reason=reason,
             )
             continue
         found = _meaningful(found, shaft)
@@ -459,26 +442,22 @@ def bow(contents: Contents) -> Iterator[Block]:
         )
         first = found.deciding
         if first is not None:
-            text = say(
+            contents.find(
                 "Bow of {shaft}: {present} µm of at most {most} µm, by the limit {limit} ({at}).",
+                warning=found.margin < 0.0,
                 shaft=shaft.name,
                 present=f"{1e6 * found.present:.4g}",
                 most=f"{1e6 * first.bow:.4g}",
                 limit=word(first.limit),
                 at=word(first.at),
             )
-            contents.find(text, warning=found.margin < 0.0)
         else:
-            contents.find(
-                say("No bow of {shaft} up to its diameter reaches a limit.", shaft=shaft.name)
-            )
-    yield Note(
-        say(
-            "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference "
-            "at each bearing; whether the standard applies to this machine is for its user to "
-            "decide. Bows above the largest diameter of the shaft are no limits: the shaft is "
-            "destroyed before."
-        )
+            contents.find("No bow of {shaft} up to its diameter reaches a limit.", shaft=shaft.name)
+    yield note(
+        "The value of API 617 for the vibration of a shaft, 25.4 µm √(12000/n), is a reference "
+        "at each bearing; whether the standard applies to this machine is for its user to "
+        "decide. Bows above the largest diameter of the shaft are no limits: the shaft is "
+        "destroyed before."
     )
 
 
@@ -539,7 +518,7 @@ def accuracy(contents: Contents) -> Iterator[Block]:
         head = (word("section"), word("warning"))
         yield Table(say("Warnings"), head, every, numeric=(False, False))
     else:
-        yield Note(say("There were no warnings."))
+        yield note("There were no warnings.")
 
 
 #: Name, title and content of each section, in their order.

@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -11,7 +12,7 @@ from gearbow._result import ROUND_OFF, Column
 from gearbow.description.places import place_label
 from gearbow.errors import AccuracyWarning, GearbowError
 from gearbow.recording.record import recorded_run
-from gearbow.report.page import Block, Note, Table, picture
+from gearbow.report.page import Block, Note, Table, note, picture
 from gearbow.report.shared import SHOWN_REVOLUTIONS, Contents
 from gearbow.report.texts import say, word
 from gearbow.results.response import Response
@@ -29,7 +30,7 @@ def motion(contents: Contents) -> Iterator[Block]:
     """Show orbits, spectra and mesh geometry at the operating speed."""
     run, what, steady = contents.motion
     speed = contents.need_operating()
-    yield Note(say("Motion at {speed}: {what}.", speed=contents.text(speed), what=what))
+    yield note("Motion at {speed}: {what}.", speed=contents.text(speed), what=what)
     if steady is not None:
         yield _floquet(contents, steady)
     yield from _vibration(contents)
@@ -59,7 +60,7 @@ def motion(contents: Contents) -> Iterator[Block]:
         figure = run.plot("geometry", two, times=times)
         yield picture(figure, say("Mesh geometry at the moving centres: {names}.", names=names))
     if not pairs:
-        yield Note(say("There is no mesh geometry: the system has no gears in mesh."))
+        yield note("There is no mesh geometry: the system has no gears in mesh.")
     places = [(bearing.shaft, bearing.position) for bearing in contents.system.bearings]
     for few in _parts(places if lateral else [], _BEARINGS):
         names = ", ".join(word(place_label(place)) for place in few)
@@ -75,22 +76,17 @@ def _parts(items: list[T], count: int) -> Iterator[list[T]]:
 def _floquet(contents: Contents, steady: SteadyState) -> Note:
     """Say whether small disturbances of the steady state decay."""
     if not contents.system.meshes:
-        return Note(
-            say(
-                "Whether small disturbances of this motion decay follows from the eigenvalues in "
-                "the section on stability: no teeth change the stiffness of the system."
-            )
+        return note(
+            "Whether small disturbances of this motion decay follows from the eigenvalues in "
+            "the section on stability: no teeth change the stiffness of the system."
         )
     if steady.method == "quasi-periodic":
-        contents.find(say("The steady state is {state}.", state=say("stable")))
-        return Note(
-            say("The steady state is stable: the motion ran in, so that disturbances decay.")
-        )
+        contents.find("The steady state is {state}.", state=say("stable"))
+        return note("The steady state is stable: the motion ran in, so that disturbances decay.")
     try:
         kind = steady.instability()
     except GearbowError as error:
-        text = say("Stability of the steady state: not computed, because {reason}", reason=error)
-        return Note(text)
+        return note("Stability of the steady state: not computed, because {reason}", reason=error)
     largest = max(map(abs, steady.multipliers()), default=0.0)
     # A motion that decays slowly has a multiplier that rounds to 1.
     near = abs(largest - 1.0) < 1e-3
@@ -101,14 +97,14 @@ def _floquet(contents: Contents, steady: SteadyState) -> Note:
         size = say("the largest is {size}", size=shown)
     section = say("a part of the motion") if math.isinf(steady.period) else say("a period")
     state = say("stable") if kind is None else say("unstable ({kind})", kind=word(kind))
-    text = say("The steady state is {state}.", state=state)
-    contents.find(text, warning=kind is not None)
+    found = note("The steady state is {state}.", warning=kind is not None, state=state)
+    contents.find(found)
     more = say(
         "Floquet multipliers over {section}, with the changing stiffness of the teeth: {size}.",
         section=section,
         size=size,
     )
-    return Note(f"{text} {more}", kind is not None)
+    return replace(found, text=f"{found.text} {more}")
 
 
 def _vibration(contents: Contents) -> Iterator[Block]:
@@ -152,9 +148,7 @@ def _vibration(contents: Contents) -> Iterator[Block]:
                 "and teeth do not contain."
             )
         )
-    table = Table.of(title, columns, remarks)
-    contents.find(table)
-    yield table
+    yield contents.find(Table.of(title, columns, remarks))
 
 
 def _largest_order(run: Response, place: str, axis: str) -> str:

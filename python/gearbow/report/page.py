@@ -52,6 +52,11 @@ class Note:
     kind = "note"
 
 
+def note(text: str, /, *, warning: bool = False, **values: Any) -> Note:
+    """Write a paragraph in the language of the report, with values in its places."""
+    return Note(say(text, **values), warning)
+
+
 @dataclass(frozen=True)
 class Code:
     """Lines of a program or file, behind a heading that opens them."""

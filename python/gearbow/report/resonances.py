@@ -8,7 +8,7 @@ import numpy as np
 
 from gearbow._result import Column, in_percent
 from gearbow.errors import GearbowError
-from gearbow.report.page import Block, Note, Table
+from gearbow.report.page import Block, Table, note
 from gearbow.report.shared import ABOVE, BELOW, UNDAMPED, Contents, margins, resonances_of
 from gearbow.report.texts import say, word
 from gearbow.results.campbell import Intersection
@@ -18,12 +18,12 @@ def resonances(contents: Contents) -> Iterator[Block]:
     """List the modes that orders of shafts and teeth meet near the operating speed."""
     found, span = contents.near, contents.options.operating
     assert span is not None
-    limits = {
+    limits: dict[str, Any] = {
         "low": contents.text(float(found.speeds[0])),
         "high": contents.text(float(found.speeds[-1])),
     }
     highest = float(contents.modes.frequencies_hz.max(initial=0.0))
-    compared = say(
+    yield note(
         "Orders of shafts and teeth are compared with the modes up to {frequency} Hz, from {low} "
         "to {high}: API RP 684 requires margins of up to {below} % below and {above} % above the "
         "operating speed.",
@@ -32,26 +32,21 @@ def resonances(contents: Contents) -> Iterator[Block]:
         above=f"{100 * ABOVE - 100:.0f}",
         **limits,
     )
-    yield Note(compared)
     if highest < contents.excited:
-        text = say(
+        yield contents.find(
             "Teeth reach {frequency} Hz; modes above {highest} Hz are not compared.",
+            warning=True,
             frequency=f"{contents.excited:.4g}",
             highest=f"{highest:.4g}",
         )
-        yield Note(text, warning=True)
-        contents.find(text, warning=True)
     near = found.intersections
     if not near:
         contents.find(
-            say(
-                "No order of shafts or teeth meets a mode (up to {frequency} Hz) from {low} to "
-                "{high}.",
-                frequency=f"{highest:.4g}",
-                **limits,
-            )
+            "No order of shafts or teeth meets a mode (up to {frequency} Hz) from {low} to {high}.",
+            frequency=f"{highest:.4g}",
+            **limits,
         )
-        yield Note(say("No order of shafts or teeth meets a mode in this range of speeds."))
+        yield note("No order of shafts or teeth meets a mode in this range of speeds.")
         return
     peaks = resonances_of(near, span)
     numbers = contents.numbers(found)
@@ -77,15 +72,13 @@ def resonances(contents: Contents) -> Iterator[Block]:
     contents.find(Table.of(title, columns, remarks))
     close = min(zip(np.abs(distance), near, strict=True), key=lambda one: one[0])
     contents.find(
-        say(
-            "The nearest resonance: {source} meets mode {mode} ({frequency} Hz) {distance} % "
-            "beside the operating speed.",
-            source=word(close[1].line.name),
-            mode=numbers[close[1].mode],
-            frequency=f"{close[1].frequency_hz:.4g}",
-            distance=f"{close[0]:.2g}",
-        ),
+        "The nearest resonance: {source} meets mode {mode} ({frequency} Hz) {distance} % "
+        "beside the operating speed.",
         warning=any(peak.verdict in ("too close", "unstable") for peak in peaks),
+        source=word(close[1].line.name),
+        mode=numbers[close[1].mode],
+        frequency=f"{close[1].frequency_hz:.4g}",
+        distance=f"{close[0]:.2g}",
     )
     damping = np.array([one.damping_ratio for one in near])
     yield Table.of(

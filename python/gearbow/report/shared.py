@@ -21,7 +21,7 @@ from gearbow.description.places import Support, housing_and_interface, other_sha
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
-from gearbow.report.page import Block, Note, Section
+from gearbow.report.page import Block, Section, note
 from gearbow.report.texts import say, word
 from gearbow.results.campbell import Campbell, Intersection
 from gearbow.results.modes import Modes
@@ -93,10 +93,11 @@ class Contents:
             raise self._kept[name]
         return self._kept[name]
 
-    def find(self, what: str | Block, *, warning: bool = False) -> None:
-        """Add a sentence or a table to the summary; a warning asks for attention."""
-        block = Note(what, warning) if isinstance(what, str) else what
+    def find(self, what: str | Block, /, *, warning: bool = False, **values: Any) -> Block:
+        """Add a sentence with values or a block to the summary, and return the block."""
+        block = note(what, warning=warning, **values) if isinstance(what, str) else what
         self.findings.append((self._section, block))
+        return block
 
     def finished(self, name: str) -> Any:
         """Give a result that was computed; None for another one."""
@@ -320,13 +321,17 @@ class Contents:
                     section.blocks.append(block)
             except Exception as error:  # noqa: BLE001  # the other sections are of use
                 reason = reason_of(error).rstrip(".")
-                section.blocks.append(Note(say("Not computed: {reason}.", reason=reason)))
-                text = say("{title}: not complete, because {reason}.", title=title, reason=reason)
-                self.find(text, warning=True)
+                section.blocks.append(note("Not computed: {reason}.", reason=reason))
+                self.find(
+                    "{title}: not complete, because {reason}.",
+                    warning=True,
+                    title=title,
+                    reason=reason,
+                )
         own = [one for one in caught if not one.filename.startswith(_DRAWING)]
         for text in dict.fromkeys(str(one.message) for one in own):
             self.warned.append((title, text))
-            section.blocks.append(Note(say("Warning: {text}", text=text), warning=True))
+            section.blocks.append(note("Warning: {text}", warning=True, text=text))
         return section
 
 

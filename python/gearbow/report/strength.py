@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from gearbow._result import ROUND_OFF, Column, Written
-from gearbow.report.page import Block, Note, Table, picture
+from gearbow.report.page import Block, Table, note, picture
 from gearbow.report.shared import Contents
 from gearbow.report.texts import say, word
 
@@ -64,12 +64,12 @@ def strength(contents: Contents) -> Iterator[Block]:
     )
     open_steps = sum(text == "none given" for text in found.notches)
     if open_steps:
-        text = say(
+        yield note(
             "Sections at a step of the diameter without notch factors: {count}. Their real "
             "stresses are larger.",
+            warning=True,
             count=open_steps,
         )
-        yield Note(text, warning=True)
     yield picture(found.plot(), say("Equivalent stresses along the shafts."))
     i = found.worst
     shaft, x, _ = found.sections[i]
@@ -80,20 +80,19 @@ def strength(contents: Contents) -> Iterator[Block]:
         "mean": _written(found.mean[i], least),
     }
     if not limited.any():
-        text = say(
+        contents.find(
             "Largest stress: amplitude {amplitude} MPa, mean {mean} MPa, {shaft} at {position} mm "
             "(no endurance limit was given).",
             **values,
         )
-        contents.find(text)
         return
-    text = say(
+    contents.find(
         "Largest utilisation of a shaft: {use} (amplitude {amplitude} MPa, mean {mean} MPa, {shaft}"
         " at {position} mm).",
+        warning=bool(found.utilisation[i] > 1.0),
         use=f"{found.utilisation[i]:.3f}",
         **values,
     )
-    contents.find(text, warning=bool(found.utilisation[i] > 1.0))
 
 
 def _written(stress: float, least: float) -> str:

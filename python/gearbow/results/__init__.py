@@ -120,14 +120,9 @@ if _typing.TYPE_CHECKING:
     from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
     from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
-    from gearbow.results.harmonic import (
-        FrequencyComparison as FrequencyComparison,
-    )
+    from gearbow.results.harmonic import FrequencyComparison as FrequencyComparison
     from gearbow.results.modes import ModeComparison as ModeComparison, Modes as Modes
-    from gearbow.results.peak import (
-        Peak as Peak,
-        Peaks as Peaks,
-    )
+    from gearbow.results.peak import Peak as Peak, Peaks as Peaks
     from gearbow.results.properties import (
         Discretisation as Discretisation,
         MassProperties as MassProperties,
@@ -158,10 +153,7 @@ if _typing.TYPE_CHECKING:
         Tradeoff as Tradeoff,
         Trial as Trial,
     )
-    from gearbow.sweeps.result import (
-        Sweep as Sweep,
-        SweepPoint as SweepPoint,
-    )
+    from gearbow.sweeps.result import Sweep as Sweep, SweepPoint as SweepPoint
 else:  # a type checker would accept every name
 
     def __getattr__(name: str) -> object:

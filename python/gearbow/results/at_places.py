@@ -272,24 +272,15 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
 
     @property
     def time(self) -> Array:
-        """Recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Times [s].
-        """
+        """Recorded times [s], shape (k,)."""
         return self._data["time"]
 
     @property
     def final(self) -> Mapping[str, Any]:
         """Final state without rounding; `simulate(initial=...)` continues from it.
 
-        Returns
-        -------
-        mapping
-            Method, time, speed, a known angle of the reference shaft (time [s], angle [rad] and
-            its rounding error), and the state variables of the method.
+        It has the method, time, speed, a known angle of the reference shaft (time [s], angle [rad]
+        and its rounding error), and the state variables of the method.
         """
         return dict(self._data["final"])
 
@@ -297,23 +288,14 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
     def recorded(self) -> list[Record]:
         """Recorded items, in the form of the argument `record` of `simulate`.
 
-        Returns
-        -------
-        list of str or tuple
-            Names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
-            position), "velocity", "acceleration", "energy".
+        These are names of gears and disks, (shaft, position), (driver, driven), ("bearing", shaft,
+        position), "velocity", "acceleration", "energy".
         """
         return self._to_record().recorded
 
     @property
     def speeds(self) -> Array:
-        """Speed of the reference shaft at the recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Speeds [rad/s].
-        """
+        """Speed of the reference shaft at the recorded times [rad/s], shape (k,)."""
         return access.speeds(self._to_record())
 
     def angle(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
@@ -468,10 +450,7 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
     def energy(self) -> Array:
         """Kinetic energy of the vibration plus elastic energy of shafts, bearings and meshes.
 
-        Returns
-        -------
-        ndarray, shape (k,)
-            Energy [J].
+        The unit is J, the shape (k,).
         """
         return access.energy(self._to_record())
 
@@ -487,17 +466,13 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """Contact events of the teeth.
+        """Contact events of the teeth, in the order of detection.
 
         A change of the contact mode ("contact", "back contact", "separation", "tight") is an event
         only after the start of the run. The contact mode at the start is not an event, even if
         flanks that touch at the start separate or press immediately.
 
-        Returns
-        -------
-        tuple of Event
-            In the order of detection. A mesh with backlash or time-varying stiffness has all its
-            events, recorded or not. Other meshes have the events that their recorded instants
-            show.
+        A mesh with backlash or time-varying stiffness has all its events, recorded or not. Other
+        meshes have the events that their recorded instants show.
         """
         return access.events(self._to_record())

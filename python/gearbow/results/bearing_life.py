@@ -173,13 +173,7 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
 
     @property
     def shortest(self) -> RatedBearing:
-        """The bearing with the shortest life.
-
-        Returns
-        -------
-        RatedBearing
-            Its loads and life.
-        """
+        """The bearing with the shortest life."""
         return min(self.bearings, key=lambda one: one.hours)
 
     def bearing(self, at: tuple[str, float]) -> RatedBearing:

@@ -55,13 +55,7 @@ class ReachedLimit(Shown):
 
     @property
     def is_reached(self) -> bool:
-        """Whether some bow reaches the limit.
-
-        Returns
-        -------
-        bool
-            Whether the bow is finite.
-        """
+        """Whether some bow reaches the limit, so that it is finite."""
         return math.isfinite(self.bow)
 
 
@@ -113,36 +107,18 @@ class BowLimits(WithSpeeds, Figured, ReadOnly):
 
     @property
     def limits(self) -> tuple[ReachedLimit, ...]:
-        """Each limit at the speed with the smallest bow.
-
-        Returns
-        -------
-        tuple of ReachedLimit
-            By ascending bow.
-        """
+        """Each limit at the speed with the smallest bow, by ascending bow."""
         return tuple(sorted(map(_smallest, self._series_of_limits()), key=lambda one: one.bow))
 
     @property
     def deciding(self) -> ReachedLimit | None:
-        """The limit with the smallest bow.
-
-        Returns
-        -------
-        ReachedLimit or None
-            The limit that decides; None if no bow reaches a limit.
-        """
+        """The limit with the smallest bow, which decides; None if no bow reaches a limit."""
         first = min(self.found, key=lambda one: one.bow, default=None)
         return first if first is not None and first.is_reached else None
 
     @property
     def margin(self) -> float:
-        """Distance of the present bow from the deciding limit.
-
-        Returns
-        -------
-        float
-            The bow of the deciding limit minus the present one [m], negative where it is exceeded.
-        """
+        """The bow of the deciding limit minus the present one [m]; negative where exceeded."""
         return math.inf if self.deciding is None else self.deciding.bow - self.present
 
     def _draw(self, ax: Any) -> "Figure":

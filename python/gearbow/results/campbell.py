@@ -129,13 +129,7 @@ class ExcitationLine(Shown):
 
     @property
     def name(self) -> str:
-        """Name in tables and figures.
-
-        Returns
-        -------
-        str
-            E.g. "1× output", "2× teeth of g1–g2".
-        """
+        """Name in tables and figures, e.g. "1× output", "2× teeth of g1–g2"."""
         if self.kind == "shaft":
             return f"1× {self.source}"
         return f"{self.harmonic}× teeth of {'–'.join(self.source)}"
@@ -286,37 +280,25 @@ class Campbell(WithSpeeds, Result, ReadOnly):
 
     @property
     def frequencies_hz(self) -> Array:
-        """Damped natural frequencies.
-
-        Returns
-        -------
-        ndarray, shape (k, m)
-            Frequencies [Hz].
-        """
+        """Damped natural frequencies [Hz], shape (k, m)."""
         frequencies: Array = self.eigenvalues.imag / (2.0 * np.pi)
         return frequencies
 
     @property
     def damping_ratios(self) -> Array:
-        """Damping ratios: −Re λ divided by the magnitude of λ.
+        """Damping ratios: −Re λ divided by the magnitude of λ, shape (k, m).
 
-        Returns
-        -------
-        ndarray, shape (k, m)
-            Damping ratios; 0 for an eigenvalue of 0, negative for an unstable mode.
+        The ratio is 0 for an eigenvalue of 0, and negative for an unstable mode.
         """
         ratios: Array = _ratio(self.eigenvalues)
         return ratios
 
     @property
     def criticals(self) -> tuple[Intersection, ...]:
-        """Critical speeds: intersections with the rotation of a shaft.
+        """Critical speeds: intersections with the rotation of a shaft, from standstill on.
 
-        Returns
-        -------
-        tuple of Intersection
-            From standstill on. Backward modes are included, because unbalance excites them if
-            bearings or meshes are anisotropic.
+        Backward modes are included, because unbalance excites them if bearings or meshes are
+        anisotropic.
         """
         return tuple(
             intersection for intersection in self.intersections if intersection.line.kind == "shaft"
@@ -324,13 +306,10 @@ class Campbell(WithSpeeds, Result, ReadOnly):
 
     @property
     def unstable_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Speed range in which a mode of the diagram is unstable, one for each such range.
+        """First and last speed [rad/s] of each range in which a mode of the diagram is unstable.
 
-        Returns
-        -------
-        tuple of (float, float)
-            First and last speed of each range [rad/s], from standstill on. They end at a
-            threshold, or at an end of `speeds`.
+        The ranges are in their order from standstill on. They end at a threshold, or at an end of
+        `speeds`.
         """
         return unstable_ranges(self.speeds, self.eigenvalues, self.thresholds)
 

@@ -10,14 +10,7 @@ from gearbow._extras import extra
 from gearbow._lookup import one_of
 from gearbow._result import Column, WithSpeeds, data_frame, in_micrometres, written_unit
 from gearbow._shown import read_only, short
-from gearbow._types import (
-    Array,
-    ComplexArray,
-    Record,
-    RunData,
-    SignalQuantity,
-    Statistic,
-)
+from gearbow._types import Array, ComplexArray, Record, RunData, SignalQuantity, Statistic
 from gearbow.description.places import is_pair
 from gearbow.errors import GearbowError
 from gearbow.orders.spectrum import channel

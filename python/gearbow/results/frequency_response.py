@@ -11,7 +11,7 @@ from gearbow._convert import items, shown
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
 from gearbow._lookup import one_of
-from gearbow._result import Column, Written
+from gearbow._result import Column, Written, data_frame
 from gearbow._shown import short, span
 from gearbow._types import (
     Array,
@@ -26,11 +26,7 @@ from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places, is_pair, place, place_label, places
 from gearbow.description.sources import plain_sources
 from gearbow.errors import GearbowError, SceneError
-from gearbow.results.harmonic import (
-    PRINTED_PLACES,
-    FrequencyComparison,
-    HarmonicResponse,
-)
+from gearbow.results.harmonic import PRINTED_PLACES, FrequencyComparison, HarmonicResponse
 from gearbow.results.section_forces import Motions
 from gearbow.sensors import SignalSensor
 from gearbow.units.speed import SpeedUnit, speed_text
@@ -336,9 +332,9 @@ class FrequencyResponse(HarmonicResponse):
         MissingExtraError
             If pandas is not installed.
         """
-        from gearbow.exchange import harmonic  # noqa: PLC0415
-
-        return harmonic.to_dataframe(self._curves(at), self.frequencies, self.speeds, self.sources)
+        curves = self._curves(at)
+        columns = [Column(curve.name, curve.values.ravel(), curve.unit) for curve in curves]
+        return data_frame([*self._axis_columns(), *columns])
 
     def to_xarray(self, at: Any = None) -> "xr.Dataset":
         """Give the response as a data set.
@@ -441,10 +437,10 @@ class FrequencyResponse(HarmonicResponse):
             require_netcdf()
             save_netcdf(self._curve_dataset(at, parts=True), path)
 
-    def _columns(self) -> list[Column]:
-        """Give a row for each frequency and source, with the amplitudes at a few places."""
+    def _axis_columns(self) -> list[Column]:
+        """Give frequency, speed and source of each row of a table."""
         count = len(self.sources)
-        columns = [
+        return [
             Column(
                 "frequency",
                 np.repeat(self.frequencies.ravel(), count),
@@ -455,15 +451,18 @@ class FrequencyResponse(HarmonicResponse):
             Column("speed", np.repeat(self.speeds.ravel(), count), "rad/s", ".2f"),
             Column("source", list(self.sources) * self.frequencies.size),
         ]
+
+    def _columns(self) -> list[Column]:
+        """Give a row for each frequency and source, with the amplitudes at a few places."""
         sizes: dict[str, Any] = {}
         for curve in self._curves():
             if curve.kind == "displacement" and curve.unit == "m":
                 size = np.abs(curve.values.ravel()) ** 2
                 sizes[curve.place] = sizes.get(curve.place, 0.0) + size
         largest = sorted(sizes, key=lambda place: -float(np.max(sizes[place], initial=0.0)))
-        for name in largest[:PRINTED_PLACES]:
-            columns.append(Column(f"{name} amplitude", np.sqrt(sizes[name]), "m", ".4g"))
-        return columns
+        places_of = largest[:PRINTED_PLACES]
+        amplitudes = [Column(f"{at} amplitude", np.sqrt(sizes[at]), "m", ".4g") for at in places_of]
+        return [*self._axis_columns(), *amplitudes]
 
     def compare(
         self,

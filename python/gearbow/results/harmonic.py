@@ -211,24 +211,13 @@ class FrequencyComparison(Figured, ReadOnly):
 
     @property
     def frac(self) -> Array:
-        """FRAC of each curve.
-
-        Returns
-        -------
-        ndarray, shape (curves,)
-            Values from 0 to 1.
-        """
+        """FRAC of each curve, from 0 to 1; shape (curves,)."""
         pairs = zip(self.measured, self.computed, strict=True)
         return np.array([_assurance(one.values, own, 0) for one, own in pairs])
 
     @property
     def mac(self) -> Array:
-        """MAC of the measured and computed shapes.
-
-        Returns
-        -------
-        ndarray, shape (k,)
-            Values from 0 to 1 at each frequency.
+        """MAC of the measured and computed shapes at each frequency, from 0 to 1; shape (k,).
 
         Raises
         ------

@@ -73,10 +73,7 @@ class ModeComparison(Figured, ReadOnly):
     def pairs(self) -> tuple[tuple[int, int], ...]:
         """The computed mode with the largest MAC for each measured one.
 
-        Returns
-        -------
-        tuple of (int, int)
-            Numbers of the computed and the measured mode, from 1.
+        A pair has the numbers of the computed and of the measured mode, from 1.
         """
         best = np.argmax(self.mac, axis=0).tolist() if self.mac.size else []
         return tuple((i + 1, j + 1) for j, i in enumerate(best))

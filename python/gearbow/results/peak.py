@@ -85,24 +85,18 @@ class Peak(Shown):
     def amplification_factor(self) -> float:
         """Amplification factor N_c/(N₂ − N₁), positive for both senses of rotation.
 
-        Returns
-        -------
-        float
-            The factor; NaN if N₁ or N₂ is unknown.
+        It is NaN if N₁ or N₂ is unknown.
         """
         width = abs(self.upper - self.lower)
         return math.inf if width == 0.0 else abs(self.speed) / width
 
     @property
     def missing(self) -> str | None:
-        """Name what the amplification factor lacks.
+        """What the amplification factor lacks: "no N₁", "no N₂" or both; None if it is known.
 
-        Returns
-        -------
-        str or None
-            "no N₁" if the amplitude does not fall to 1/√2 of the peak between standstill and the
-            peak, as where a bow is large, "no N₂" if it does not beyond the peak within the speeds
-            of the response, or both; None if the factor is known.
+        N₁ is missing if the amplitude does not fall to 1/√2 of the peak between standstill and the
+        peak, as where a bow is large; N₂ if it does not beyond the peak within the speeds of the
+        response.
         """
         ends = {"N₁": self.lower, "N₂": self.upper}
         unknown = " and ".join(name for name, speed in ends.items() if math.isnan(speed))
@@ -110,12 +104,9 @@ class Peak(Shown):
 
     @property
     def separation_margin(self) -> float:
-        """Distance between the peak and the operating speeds.
+        """Distance between the peak and the nearest operating speed, in percent of this speed.
 
-        Returns
-        -------
-        float
-            Percent of the nearest operating speed; 0 within the operating range, NaN without one.
+        It is 0 within the operating range, and NaN without one.
         """
         span = self._forward()
         if span is None:
@@ -125,14 +116,10 @@ class Peak(Shown):
 
     @property
     def required_margin(self) -> float:
-        """Separation margin that API RP 684 requires.
+        """Separation margin that API RP 684 requires [%].
 
-        Returns
-        -------
-        float
-            With the amplification factor AF: 17 (1 − 1/(AF − 1.5)) percent below the operating
-            speeds, 10 percent more above them, and 0 for AF < 2.5. NaN if AF or the operating
-            speeds are unknown.
+        With the amplification factor AF: 17 (1 − 1/(AF − 1.5)) below the operating speeds, 10 more
+        above them, and 0 for AF < 2.5. NaN if AF or the operating speeds are unknown.
         """
         factor, span = self.amplification_factor, self._forward()
         if span is None or np.isnan(factor):
@@ -155,23 +142,17 @@ class Peak(Shown):
     def acceptable(self) -> bool:
         """Whether the motion at the peak is stable and the separation margin is sufficient.
 
-        Returns
-        -------
-        bool
-            Also False if the required margin is unknown.
+        Also False if the required margin is unknown.
         """
         sufficient = self.required_margin == 0.0 or self.separation_margin >= self.required_margin
         return self.stable and sufficient
 
     @property
     def verdict(self) -> str:
-        """Say whether the peak is acceptable, and if not, why.
+        """Whether the peak is acceptable, and if not, why.
 
-        Returns
-        -------
-        str
-            "acceptable", "critically damped", "too close", "unstable", "no operating speed", or
-            "unknown" if the range of speeds does not contain N₁ or N₂.
+        One of "acceptable", "critically damped", "too close", "unstable", "no operating speed", or
+        "unknown" if the range of speeds does not contain N₁ or N₂.
         """
         if not self.stable:
             return "unstable"

@@ -10,14 +10,7 @@ from gearbow._convert import items, number, shown
 from gearbow._progress import working
 from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import ReadOnly, read_only, span
-from gearbow._types import (
-    Array,
-    Record,
-    RunData,
-    SignalQuantity,
-    StrengthLine,
-    Window,
-)
+from gearbow._types import Array, Record, RunData, SignalQuantity, StrengthLine, Window
 from gearbow.accuracy import estimate_errors
 from gearbow.description.part import parts
 from gearbow.description.shafts import Notch

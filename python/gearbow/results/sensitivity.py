@@ -80,13 +80,10 @@ class Sensitivity(WithSpeeds, Result, ReadOnly):
 
     @property
     def relative(self) -> Array:
-        """Relative change of each output over the relative change of each parameter.
+        """Relative change of each output over the relative change of each parameter, shape (p, m).
 
-        Returns
-        -------
-        ndarray, shape (p, m)
-            (p/f) df/dp: the change in percent for 1 % of the parameter. 0 for a parameter of the
-            value 0; NaN for an output that is 0.
+        (p/f) df/dp is the change in percent for 1 % of the parameter. 0 for a parameter of the
+        value 0; NaN for an output that is 0.
         """
         with np.errstate(invalid="ignore", divide="ignore"):
             found: Array = self.parameter_values[:, None] * self.derivatives / self.output_values
@@ -232,13 +229,10 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
 
     @property
     def amplitudes(self) -> Array:
-        """Derivatives of the amplitudes with respect to each parameter.
+        """Derivatives of the amplitudes by each parameter, shape (p, ..., sources, c).
 
-        Returns
-        -------
-        ndarray, shape (p, ..., sources, c)
-            d abs(s)/dp [unit of the signal over that of the parameter]; of an equilibrium ds/dp.
-            0 where the signal is 0.
+        d abs(s)/dp [unit of the signal over that of the parameter]; of an equilibrium ds/dp. 0
+        where the signal is 0.
         """
         if self.kind == "static equilibrium":
             slopes: Array = self.derivatives
@@ -250,12 +244,10 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
 
     @property
     def relative(self) -> Array:
-        """Relative change of the amplitudes over the relative change of each parameter.
+        """Relative change of the amplitudes over that of each parameter.
 
-        Returns
-        -------
-        ndarray, shape (p, ..., sources, c)
-            (p/a) da/dp: the change in percent for 1 % of the parameter. NaN where the signal is 0.
+        Its shape is (p, ..., sources, c). (p/a) da/dp is the change in percent for 1 % of the
+        parameter. NaN where the signal is 0.
         """
         values = self.values if self.kind == "static equilibrium" else np.abs(self.values)
         factors = self.parameter_values.reshape(-1, *(1,) * self.values.ndim)

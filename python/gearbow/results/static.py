@@ -157,24 +157,12 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         the sum of the sizes of all forces of weight, torques, bearings, meshes, couplings and other
         loads on the shaft, and at least 1e-6 of the largest load of all. At a degree of freedom the
         round-off of elastic forces, ``8 ε Σ|K||q|`` with ε = 2.2e-16, does not count.
-
-        Returns
-        -------
-        dict of str to float
-            The unbalanced part of the load by name.
         """
         return dict(self._data["residuals"])
 
     @property
     def residual(self) -> float:
-        """Largest value of `residuals`.
-
-        Returns
-        -------
-        float
-            The largest unbalanced part of the load of a shaft, support or housing; usually below
-            1e-9, and never above 1e-6.
-        """
+        """Largest value of `residuals`; usually below 1e-9, and never above 1e-6."""
         return max(self.residuals.values())
 
     def _at(self, quantity: str, at: Any) -> Any:

@@ -28,6 +28,13 @@ if TYPE_CHECKING:
     from gearbow.plotting.harmonic import Curve
 
 
+def semi_axes(amplitudes: ComplexArray) -> Array:
+    """Give the major semi-axes of orbits with amplitudes along y and z on the last axis."""
+    v, w = np.moveaxis(amplitudes, -1, 0)
+    found: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class _HarmonicSignal:
     """What one shaft excites at a place or in a sensor."""
@@ -163,9 +170,7 @@ class Synchronous(HarmonicResponse):
             Semi-axis [m]. It is the sum of the radii of the forward and the backward circular
             motion, of which the elliptic orbit consists.
         """
-        v, w = np.moveaxis(self.displacement(at), -1, 0)
-        semi_axis: Array = (np.abs(v + 1j * w) + np.abs(v - 1j * w)) / 2.0
-        return semi_axis
+        return semi_axes(self.displacement(at))
 
     def phase(self, at: At) -> Array:
         """Phase of the orbit that each shaft causes, relative to the angle of this shaft.

@@ -94,44 +94,24 @@ class Trial(Shown, Generic[S]):
     def error(self) -> float:
         """Error of the worst signal.
 
-        Returns
-        -------
-        float
-            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
+        It is the RMS of the difference / RMS of the signal about its mean, at least 2 % of the
+        mean.
         """
         return max(self.errors.values())
 
     @property
     def bound(self) -> float:
-        """Upper bound of the error, at least the uncertainty of the reference.
-
-        Returns
-        -------
-        float
-            The larger of error and floor.
-        """
+        """Upper bound of the error, at least the uncertainty of the reference."""
         return max(self.error, self.floor)
 
     @property
     def seconds(self) -> float:
-        """CPU time of the whole run.
-
-        Returns
-        -------
-        float
-            Time [s].
-        """
+        """CPU time of the whole run [s]."""
         return self.setup + self.stepping
 
     @property
     def rate(self) -> float:
-        """CPU time of stepping per simulated second.
-
-        Returns
-        -------
-        float
-            CPU time / simulated time.
-        """
+        """CPU time of stepping per simulated second."""
         return self.stepping / self.duration
 
     def cost(self, duration: float | None = None) -> float:
@@ -153,13 +133,7 @@ class Trial(Shown, Generic[S]):
 
     @property
     def error_text(self) -> str:
-        """The error as text.
-
-        Returns
-        -------
-        str
-            A number, or "<" and the floor if the error is smaller.
-        """
+        """The error as text: a number, or "<" and the floor if the error is smaller."""
         return _below(self.error, self.floor)
 
     def __str__(self) -> str:
@@ -260,13 +234,7 @@ class Recommendation(Shown, Generic[S]):
 
     @property
     def error(self) -> float:
-        """Upper bound of the error, at least the uncertainty of the reference.
-
-        Returns
-        -------
-        float
-            RMS of the difference / RMS of the signal about its mean, at least 2 % of the mean.
-        """
+        """Upper bound of the error, as `Trial.bound`."""
         return self.trial.bound
 
     def __str__(self) -> str:

@@ -1,7 +1,6 @@
 """Results of sweeps, their tables and their data sets."""
 
 import os
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -18,7 +17,7 @@ from gearbow._lookup import nearest
 from gearbow._result import Column, Result
 from gearbow._shown import Shown, short
 from gearbow._types import Plain
-from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, outside
+from gearbow.errors import ChannelError, CheckpointWarning, GearbowError, SceneError, warn
 from gearbow.sweeps import store
 from gearbow.sweeps.points import Outcome, Points, Values
 from gearbow.units.fields import DIMENSIONLESS, unit_of
@@ -118,37 +117,19 @@ class Sweep(Result, Sequence[SweepPoint]):
 
     @property
     def parameters(self) -> Mapping[str, tuple[Any, ...]]:
-        """Give the values of each parameter: of each axis of a grid, or of each point of a list.
-
-        Returns
-        -------
-        mapping of {str: tuple}
-            The values.
-        """
+        """Values of each parameter: of each axis of a grid, or of each point of a list."""
         points = self._points
         return MappingProxyType({name: tuple(points.column(name)) for name in points.names})
 
     @property
     def failed(self) -> tuple[SweepPoint, ...]:
-        """Give the points that ended with an error.
-
-        Returns
-        -------
-        tuple of SweepPoint
-            The points, with their parameters and errors.
-        """
+        """The points that ended with an error, with their parameters and errors."""
         numbers = (number for number, found in self._outcomes.items() if found.values is None)
         return tuple(self[number] for number in sorted(numbers))
 
     @property
     def computed(self) -> int:
-        """Number of computed points, with the failed ones.
-
-        Returns
-        -------
-        int
-            `len` of the sweep, less if it was interrupted.
-        """
+        """Number of computed points, with the failed ones; less than `len` if interrupted."""
         return len(self._outcomes)
 
     def values(self, name: str | None = None) -> NDArray[Any]:
@@ -318,11 +299,6 @@ class Sweep(Result, Sequence[SweepPoint]):
         path : str or path-like
             The file. Its name ends with ".sweep".
 
-        Returns
-        -------
-        Sweep
-            The sweep.
-
         Raises
         ------
         GearbowError
@@ -335,7 +311,7 @@ class Sweep(Result, Sequence[SweepPoint]):
         head, outcomes = found.head, found.outcomes
         if damage := found.damage():
             message = f"{path}: is damaged: {damage}; they count as not computed"
-            warnings.warn(message, CheckpointWarning, stacklevel=outside())
+            warn(message, CheckpointWarning)
         points = store.points_of(head)
         if max(outcomes, default=-1) >= len(points):
             raise GearbowError(

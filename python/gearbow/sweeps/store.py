@@ -17,7 +17,6 @@ import json
 import os
 import sqlite3
 import sys
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -30,7 +29,7 @@ import numpy as np
 from gearbow._core import __version__
 from gearbow._files import FileLock, check_name, differences, parsing, replacing, short
 from gearbow._types import Plain
-from gearbow.errors import CheckpointWarning, GearbowError, SceneError, outside
+from gearbow.errors import CheckpointWarning, GearbowError, SceneError, warn
 from gearbow.recording.container import anything, each, entries, record, row, text, whole
 from gearbow.sweeps.points import Outcome, Points
 
@@ -139,11 +138,10 @@ class Store:
                 f"{short(now)}; remove it or give another file"
             )
         if damage := found.damage():
-            warnings.warn(
+            warn(
                 f"store: {self.path} is damaged: {damage}; its {len(found.outcomes)} intact points "
                 "stay, and the others are computed again",
                 CheckpointWarning,
-                stacklevel=outside(),
             )
             write(self.path, self._head, found.outcomes)  # without the damage
         self.known = {i: one for i, one in found.outcomes.items() if one.values is not None}

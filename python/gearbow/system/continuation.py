@@ -1,7 +1,6 @@
 """Branches of steady states of a system over a parameter."""
 
 import math
-import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -36,7 +35,7 @@ from gearbow.analysis.arclength import BranchPoint, Settings, branch
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import scaled
 from gearbow.description.layout import Kinematics
-from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
+from gearbow.errors import AccuracyWarning, GearbowError, SceneError, warn
 from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
 from gearbow.results.response import Response
 from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
@@ -205,7 +204,7 @@ def _followed(
     if message:
         parameter = motion.family.parameter
         text = f"continuation: the branch ends before {parameter} {settings.end:.6g}: {message}"
-        warnings.warn(text, AccuracyWarning, stacklevel=outside())
+        warn(text, AccuracyWarning)
     return motion.result(points, message)
 
 

@@ -49,8 +49,7 @@ def frequency_response(
     speeds : array_like, shape (k,), optional
         Speeds of the reference shaft [rad/s].
     threads : int, optional
-        Largest number of threads. None is the number in the environment variable
-        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
+        Largest number of threads, as for `campbell`.
 
     Returns
     -------
@@ -144,8 +143,7 @@ def mesh_response(
         Phasor of the transmission error at every harmonic [m]; by default 1 µm, so that results
         are those of each micrometre.
     threads : int, optional
-        Largest number of threads. None is the number in the environment variable
-        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
+        Largest number of threads, as for `campbell`.
 
     Returns
     -------

@@ -338,8 +338,7 @@ def critical_speed_map(
         Number of the lowest critical speeds at each stiffness; None is all. Time and memory
         then grow linearly with the number of elements.
     threads : int, optional
-        Largest number of threads. None is the number in the environment variable
-        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
+        Largest number of threads, as for `campbell`.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 
@@ -394,8 +393,7 @@ def synchronous(
         The excitation: "both" is bow, unbalance, turning forces of order 1, run-out of gears and
         couplings, and transmission errors of order 1 of a shaft; "bow" is bow and turning forces.
     threads : int, optional
-        Largest number of threads. None is the number in the environment variable
-        ``GEARBOW_THREADS``, or without it that of the cores. The result does not depend on it.
+        Largest number of threads, as for `campbell`.
     progress : bool, optional
         Whether to show the elapsed time; None shows it on a terminal if it is above 2 s.
 

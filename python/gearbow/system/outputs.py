@@ -25,14 +25,7 @@ from gearbow.results.peak import operating_range
 from gearbow.results.stresses import Strength
 from gearbow.sensors import SignalSensor
 from gearbow.system.bodies import with_bodies
-from gearbow.units.speed import (
-    RevolutionsPerMinute,
-    RevolutionsPerMinuteArray,
-    SpeedUnit,
-    given_unit,
-    showing_in,
-    unit_in_texts,
-)
+from gearbow.units.speed import SpeedUnit, as_given, given_unit, showing_in, unit_in_texts
 from gearbow.units.values import without_texts
 
 if TYPE_CHECKING:
@@ -203,15 +196,10 @@ def report(
     if wanted is None and span is not None:
         low, high = np.clip([_LOWEST * abs(span[1]), _HIGHEST * abs(span[1])], *table_range(self))
         wanted = np.copysign(np.linspace(low, high, _SPEEDS), span[1])
-    if unit == "rpm":
-        span = (
-            None if span is None else (RevolutionsPerMinute(span[0]), RevolutionsPerMinute(span[1]))
-        )
-        wanted = None if wanted is None else wanted.view(RevolutionsPerMinuteArray)
     options = Options(
         heading,
-        span,
-        wanted,
+        as_given(span, unit),
+        as_given(wanted, unit),
         count,
         added,
         unit,

@@ -1,7 +1,6 @@
 """The rotor system: its parts and options, files, variants, and all its analyses."""
 
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,16 +16,11 @@ from gearbow.analysis.balance import balance
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
-from gearbow.description.layout import assumptions, tooth_orders
+from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_orders
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support, names_of_bases
-from gearbow.description.planetary import (
-    PlanetaryStage,
-    expanded,
-    planet_masses,
-    tooth_angles,
-)
+from gearbow.description.planetary import PlanetaryStage, expanded, planet_masses, tooth_angles
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.description.time_series import (
@@ -37,7 +31,7 @@ from gearbow.description.time_series import (
     refuse_functions,
 )
 from gearbow.description.train import PARTS, parts_of
-from gearbow.errors import SceneError, SceneWarning, outside
+from gearbow.errors import SceneError, SceneWarning, warn
 from gearbow.results.properties import Discretisation
 from gearbow.sweeps.many import simulate_many
 from gearbow.system.bearing_life import bearing_life
@@ -302,10 +296,9 @@ class RotorSystem(CheckedKeywords, Shown):
         pairs = [(mesh.driver, mesh.driven) for mesh in self.meshes]
         geometry = dict(zip(pairs, mesh_geometry(self._model.description()), strict=True))
         gears = {gear.name: gear for gear in self.gears}
-        names = [shaft.name for shaft in self.shafts]
-        ratios = dict(zip(names, self.speed_ratios, strict=True))
+        ratios = ratios_by_shaft(self)
         properties = self._model.mass_properties()
-        masses = {name: mass for name, (mass, *_) in zip(names, properties, strict=True)}
+        masses = {name: mass for name, (mass, *_) in zip(ratios, properties, strict=True)}
         found: dict[tuple[str, str], float] = {}
         disks = list(self.disks)
         for stage in stages:
@@ -366,11 +359,6 @@ class RotorSystem(CheckedKeywords, Shown):
             The keys are the names of the parameters, as in a TOML file; complex numbers may be
             pairs [re, im], and values may be texts with a unit, such as "500 mm".
 
-        Returns
-        -------
-        RotorSystem
-            The system.
-
         Raises
         ------
         SceneError
@@ -403,11 +391,6 @@ class RotorSystem(CheckedKeywords, Shown):
         path : str or path-like
             A file whose keys are the names of the parameters, as `save` writes it. A value is a
             number in SI units and radians, or a text with a unit, such as "500 mm".
-
-        Returns
-        -------
-        RotorSystem
-            The system.
 
         Raises
         ------
@@ -537,7 +520,7 @@ class RotorSystem(CheckedKeywords, Shown):
 
         description, contents = read_system(path, load_case, bearings, couplings)
         for note in contents.notes:
-            warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=outside())
+            warn(f"{os.fspath(path)}: {note}", SceneWarning)
         try:
             system = cls.from_dict(description)
         except SceneError as error:
@@ -652,10 +635,7 @@ class RotorSystem(CheckedKeywords, Shown):
     def description(self) -> dict[str, Plain]:
         """Description of the system as plain data.
 
-        Returns
-        -------
-        dict
-            The keys are the names of the parameters. Options that were not given are absent.
+        The keys are the names of the parameters. Options that were not given are absent.
 
         Raises
         ------
@@ -678,16 +658,11 @@ class RotorSystem(CheckedKeywords, Shown):
 
     @property
     def discretisation(self) -> Discretisation:
-        """Give the number and degree of the elements of every shaft.
+        """Number and degree of the elements of every shaft, with their expected error.
 
         Where a shaft has no number of elements, both are chosen once, when the system is created,
         from the scene and the option `accuracy`. The number of coordinates is the smallest for
         which the expected error stays below the level.
-
-        Returns
-        -------
-        Discretisation
-            Elements, their expected error and the highest frequency that they represent.
 
         Examples
         --------
@@ -702,12 +677,9 @@ class RotorSystem(CheckedKeywords, Shown):
 
     @property
     def speed_ratios(self) -> Array:
-        """Signed speed of each shaft over that of the reference shaft.
+        """Signed speed r_s of each shaft over that of the reference shaft, shape (shafts,).
 
-        Returns
-        -------
-        ndarray, shape (shafts,)
-            The ratios r_s; every external mesh reverses the sign.
+        Every external mesh reverses the sign.
         """
         return self._model.speed_ratios
 
@@ -715,27 +687,18 @@ class RotorSystem(CheckedKeywords, Shown):
     def dofs(self) -> tuple[Dof, ...]:
         """All degrees of freedom, in the order of every matrix and vector.
 
-        Returns
-        -------
-        tuple of (str, float or (float, float), str)
-            First those of the nodes: shaft, position [m] and "u" (translation along x, in a system
-            with axial motion), "v", "w" (along y, z), "B", "G" (rotation about y, z) or "twist".
-            Then those within elements of a degree above 1: shaft, positions of the two ends of the
-            element [m], and the direction with the degree of the shape function, for example "v2".
-            Last come supports and housings: name, x of the centre of mass [m] and "v", "w", with
-            "B", "G", "twist" if they rotate.
+        First those of the nodes: shaft, position [m] and "u" (translation along x, in a system with
+        axial motion), "v", "w" (along y, z), "B", "G" (rotation about y, z) or "twist". Then those
+        within elements of a degree above 1: shaft, positions of the two ends of the element [m],
+        and the direction with the degree of the shape function, for example "v2". Last come
+        supports and housings: name, x of the centre of mass [m] and "v", "w", with "B", "G",
+        "twist" if they rotate.
         """
         return tuple(self._model.dofs)
 
     @property
     def coordinates(self) -> Coordinates:
-        """Give the degrees of freedom by name and place.
-
-        Returns
-        -------
-        Coordinates
-            The coordinates.
-        """
+        """Degrees of freedom by name and place."""
         own = (bearing.support for bearing in self.bearings)
         bases = names_of_bases(own, *self.supports, *self.housings)
         return Coordinates.of(
@@ -808,4 +771,4 @@ def _count(key: str, number: int) -> str:
 def _warn(model: Model) -> None:
     """Warn about implausible entries, at the line outside the package that made the system."""
     for message in model.warnings:
-        warnings.warn(message, SceneWarning, stacklevel=outside())
+        warn(message, SceneWarning)

@@ -4,7 +4,6 @@ import json
 import math
 import os
 import time
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from types import TracebackType
 from typing import Any, TypeAlias
@@ -19,7 +18,7 @@ from gearbow._types import Array, CoreCheckpoint, Plain, Progress, RunData
 from gearbow.analysis.protocol import System
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import CheckpointWarning, GearbowError, SceneError, SceneWarning, outside
+from gearbow.errors import CheckpointWarning, GearbowError, SceneError, SceneWarning, warn
 from gearbow.recording import file
 from gearbow.recording.channels import signals, with_signals
 from gearbow.recording.container import archive_name
@@ -51,12 +50,11 @@ def warn_of_early_end(speed: object, profile: float | SpeedProfile, end: float) 
         return
     last = float(profile.breaks[-1])
     if last < end * (1.0 - 1e-9):
-        warnings.warn(
+        warn(
             f"speed: the last time is {last:g} s, but the run ends at {end:g} s; the speed stays "
             f"{float(profile([last])[0]):g} rad/s. Give times up to the end of the run, or "
             "gb.SpeedProfile.table(times, speeds), which means a constant speed afterwards",
             SceneWarning,
-            stacklevel=outside(),
         )
 
 
@@ -234,7 +232,7 @@ class Checkpoint:
         except (OSError, MemoryError) as error:
             reason = getattr(error, "strerror", None) or str(error) or "out of memory"
             message = f"checkpoint: {self.path} could not be written and is unchanged: {reason}"
-            warnings.warn(message, CheckpointWarning, stacklevel=outside())
+            warn(message, CheckpointWarning)
 
 
 class _Watch:

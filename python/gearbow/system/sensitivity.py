@@ -312,11 +312,7 @@ def sensitivity(
     array([-1., -0.])
     """
     # With the modules of the computations.
-    from gearbow.system.response_sensitivity import (  # noqa: PLC0415
-        of_equilibrium,
-        of_harmonic,
-        of_synchronous,
-    )
+    from gearbow.system.response_sensitivity import of_equilibrium, of_harmonic, of_synchronous  # noqa: PLC0415
 
     given = [parameters] if isinstance(parameters, str) else items(parameters, "parameters", "text")
     if not given:

@@ -1,7 +1,6 @@
 """Time integration of a system."""
 
 import os
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -28,17 +27,11 @@ from gearbow.accuracy import DEFAULT, LEVELS, Level, check_reduction, find_level
 from gearbow.analysis.protocol import S, System
 from gearbow.description.layout import Kinematics
 from gearbow.description.speed import SpeedProfile, plain_speed
-from gearbow.errors import AccuracyWarning, GearbowError, SceneError, outside
+from gearbow.errors import AccuracyWarning, GearbowError, SceneError, warn
 from gearbow.recording.record import RunRequest
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
-from gearbow.system.run import (
-    beginning,
-    given_speed,
-    in_order,
-    requests,
-    warn_of_early_end,
-)
+from gearbow.system.run import beginning, given_speed, in_order, requests, warn_of_early_end
 
 if TYPE_CHECKING:
     from gearbow.system.run import Checkpoint
@@ -220,11 +213,7 @@ def simulate(
         if file is not None and file.complete is not None:
             return Response._from_record(file.complete)
         response = _run(system, arguments, profile, (wanted, rows), progress=progress, file=file)
-        if level is not None and stages is None and modes is None:
-            response.accuracy = level.explanation(response.events, coarse)
-        if modes is not None or level is not None:
-            level = level or LEVELS[system.accuracy]
-            check_reduction(response.statistics, level, given=modes is not None)
+        state_accuracy(response, system, arguments, level, coarse)
         if file is not None:
             file.finish(response._to_record())
     return response
@@ -264,8 +253,23 @@ def accuracy_level(
             f"accuracy: the elements are too coarse for {level.name!r}: {coarse}; "
             f"{level.finer(system._model, system.accuracy)}"
         )
-        warnings.warn(message, AccuracyWarning, stacklevel=outside())
+        warn(message, AccuracyWarning)
     return level, coarse
+
+
+def state_accuracy(
+    response: Response,
+    system: System,
+    arguments: Mapping[str, Any],
+    level: Level | None,
+    coarse: str | None,
+) -> None:
+    """State the accuracy of a run, and check what the modes that it leaves out cost."""
+    is_given = arguments["modes"] is not None
+    if level is not None and arguments["stages"] is None and not is_given:
+        response.accuracy = level.explanation(response.events, coarse)
+    if level is not None or is_given:
+        check_reduction(response.statistics, level or LEVELS[system.accuracy], given=is_given)
 
 
 def _checkpoint(
@@ -353,21 +357,22 @@ def _run(
     except BaseException as error:
         partial: RunData | None = getattr(error, "partial", None)
         if partial is not None:
-            error.response = _response(system, partial, rows, (speed, arguments))  # type: ignore[attr-defined]
+            error.response = response_of(system, partial, rows, speed, arguments)  # type: ignore[attr-defined]
             del error.partial  # type: ignore[attr-defined]
         elif not hasattr(error, "response"):
             error.response = None  # type: ignore[attr-defined]  # no step was done
         raise
-    return _response(system, data, rows, (speed, arguments))
+    return response_of(system, data, rows, speed, arguments)
 
 
-def _response(
+def response_of(
     system: System,
     data: RunData,
     rows: NDArray[np.intp] | None,
-    run: tuple[float | SpeedProfile, dict[str, Any]],
+    speed: float | SpeedProfile,
+    arguments: dict[str, Any],
 ) -> Response:
-    speed, arguments = run
+    """Give the response of recorded data, with the request that continues the run."""
     response = Response(in_order(data, rows), speed)
     response.kinematics = Kinematics.of(system)
     response.request = RunRequest(system.description, arguments)

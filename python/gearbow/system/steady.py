@@ -19,19 +19,18 @@ from gearbow._core import (
 )
 from gearbow._progress import reported
 from gearbow._types import Accuracy, Array, Geometry, InitialState, Progress, Record, RunData
-from gearbow.accuracy import LEVELS, check_reduction, tolerance
+from gearbow.accuracy import tolerance
 from gearbow.analysis.protocol import S, System, silent, variant
 from gearbow.description.gears import Mesh, TransmissionError
-from gearbow.description.layout import Kinematics
+from gearbow.description.layout import Kinematics, ratios_by_shaft, shafts_of_bodies
 from gearbow.description.speed import plain_speed
 from gearbow.description.time_series import TimeSeries
 from gearbow.errors import SceneError
 from gearbow.orders.separation import SEPARATION
-from gearbow.recording.record import RunRequest
-from gearbow.results.response import Response
+from gearbow.results.response import Response  # noqa: TC001  # type hints of the signature
 from gearbow.results.steady import SteadyState
-from gearbow.system.run import beginning, given_speed, in_order, requests
-from gearbow.system.simulation import accuracy_level
+from gearbow.system.run import beginning, given_speed, requests
+from gearbow.system.simulation import accuracy_level, response_of, state_accuracy
 
 # Steady motion of several sources without a common period, as the sum of their steady motions.
 #
@@ -118,11 +117,8 @@ class Superposition:
 
     def _ratio(self, at: Any) -> float:
         """Give the speed of the shaft of a place over that of the reference shaft."""
-        shafts = {gear.name: gear.shaft for gear in self.system.gears}
-        shafts |= {disk.name: disk.shaft for disk in self.system.disks}
-        name = shafts[at] if isinstance(at, str) else at[0]
-        names = [shaft.name for shaft in self.system.shafts]
-        return float(self.system.speed_ratios[names.index(name)])
+        name = shafts_of_bodies(self.system)[at] if isinstance(at, str) else at[0]
+        return ratios_by_shaft(self.system)[name]
 
     def _turn(self, order: float) -> float:
         """Give the period of an order of the reference shaft [s]."""
@@ -261,12 +257,11 @@ def steady_state(
     }
     samples = period_samples(system, period, speed, output_step)
     data, about = _solved(system, without, (arguments, samples), progress)
-    response = _response(system, data, speed, arguments)
-    if level is not None and stages is None and modes is None:
-        response.accuracy = level.explanation(response.events, coarse)
-    if modes is not None or level is not None:
-        level = level or LEVELS[system.accuracy]
-        check_reduction(response.statistics, level, given=modes is not None)
+    # A simulation that continues from the end of the period has the same motion.
+    final = dict(data["final"])
+    again = {**arguments, "initial": final, "start": final["time"]}
+    response = response_of(system, data, None, speed, again)
+    state_accuracy(response, system, arguments, level, coarse)
     return SteadyState(response, about, system._model)
 
 
@@ -288,15 +283,6 @@ def _period(
         if slowest is None or slowest > longest:
             raise
         return recorded_duration(system, speed, longest), slowest
-
-
-def _response(system: System, data: RunData, speed: float, arguments: dict[str, Any]) -> Response:
-    """Give the recorded period; its request continues from its end, with the same motion."""
-    response = Response(in_order(data, None), speed)
-    response.kinematics = Kinematics.of(system)
-    again = {**arguments, "initial": response.final, "start": response.final["time"]}
-    response.request = RunRequest(system.description, again)
-    return response
 
 
 def period_samples(system: System, period: float, speed: float, output_step: float | None) -> int:

@@ -8,9 +8,8 @@ from numpy.typing import ArrayLike
 from gearbow._convert import array, positive
 from gearbow._lookup import nearest
 from gearbow._types import At, ComplexArray
-from gearbow.analysis.balance import shafts_of_bodies
 from gearbow.analysis.protocol import System, variant
-from gearbow.description.layout import left_out
+from gearbow.description.layout import left_out, shafts_of_bodies
 from gearbow.description.part import expect
 from gearbow.description.places import place
 from gearbow.description.sources import ThermalBow

@@ -26,17 +26,33 @@ SpeedUnit: TypeAlias = Literal["rad/s", "rpm"]
 _FACTORS: dict[str, float] = {"rad/s": 1.0, "rpm": 30.0 / math.pi}
 
 
-class RevolutionsPerMinute(float):
+class _RevolutionsPerMinute(float):
     """A speed in rad/s that the user gave in rpm, by `gearbow.rpm`."""
 
     __slots__ = ()
 
 
-class RevolutionsPerMinuteArray(np.ndarray[Any, np.dtype[np.float64]]):
+class _RevolutionsPerMinuteArray(np.ndarray[Any, np.dtype[np.float64]]):
     """Speeds in rad/s that the user gave in rpm, by `gearbow.rpm`."""
 
     def __repr__(self) -> str:
         return repr(np.asarray(self))
+
+
+def as_given(speeds: Any, unit: SpeedUnit | None) -> Any:
+    """Give speeds in rad/s, or None, as if the user had given them in a unit."""
+    if speeds is None or unit != "rpm":
+        return speeds
+    if isinstance(speeds, tuple):
+        return tuple(as_given(speed, unit) for speed in speeds)
+    if isinstance(speeds, np.ndarray):
+        return speeds.view(_RevolutionsPerMinuteArray)
+    return _RevolutionsPerMinute(speeds)
+
+
+def other_unit(unit: SpeedUnit) -> SpeedUnit:
+    """Give the other unit of speeds."""
+    return "rpm" if unit == "rad/s" else "rad/s"
 
 
 #: Unit of the tables and figures that are being made; None outside of them.
@@ -77,7 +93,7 @@ def given_unit(speeds: Any) -> SpeedUnit | None:
         return next(filter(None, map(given_unit, speeds)), None)
     if isinstance(speeds, str):
         return "rpm" if unit_in_texts(speeds) == "rpm" else None
-    if isinstance(speeds, RevolutionsPerMinute | RevolutionsPerMinuteArray):
+    if isinstance(speeds, _RevolutionsPerMinute | _RevolutionsPerMinuteArray):
         return "rpm"
     if is_quantity(speeds) and "revolutions_per_minute" in str(speeds.units):
         return "rpm"
@@ -154,10 +170,8 @@ def rpm(value: "ArrayLike") -> float | Array:
     >>> gb.rpm([0, 60]) / (2 * 3.141592653589793)
     array([0., 1.])
     """
-    found = _given(matrix(value, "rpm") * np.pi / 30.0)
-    if isinstance(found, float):
-        return RevolutionsPerMinute(found)
-    return found.view(RevolutionsPerMinuteArray)
+    found: float | Array = as_given(_given(matrix(value, "rpm") * np.pi / 30.0), "rpm")
+    return found
 
 
 @overload

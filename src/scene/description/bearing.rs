@@ -14,133 +14,90 @@ pub struct Bearing {
     /// Position on the shaft, m.
     pub position: f64,
     /// Stiffness, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<BearingCoefficient>,
     /// Damping, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<BearingCoefficient>,
     /// Stiffness along the axis of the shaft, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_stiffness: Option<f64>,
     /// Damping along the axis of the shaft, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_damping: Option<f64>,
     /// Stiffness against rotations about y and z, N m/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tilting_stiffness: Option<f64>,
     /// Damping of rotations about y and z, N m s/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tilting_damping: Option<f64>,
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub loss_factor: Option<f64>,
     /// Diameter of a journal, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub diameter: Option<f64>,
     /// Length of a journal bearing, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
     /// Radial clearance of a journal bearing, m; radial internal clearance (from side to side) of a rolling bearing, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance: Option<f64>,
     /// Dynamic viscosity of the oil, Pa s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
     /// Model of the film; by default short for a plain profile, else finite.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<FilmModel>,
     /// Axial grooves of a finite film: angle of the middle from y towards z, and extent, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<Vec<[f64; 2]>>,
     /// Profile of a journal bearing; plain by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<Profile>,
     /// Preload m of the lobes of a profile or of tilting pads.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub preload: Option<f64>,
     /// Closest place of a lobe, or pivot of a tilting pad, as a part of its extent in the direction of rotation.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<f64>,
     /// Angle by which a profile is turned from y towards z, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<f64>,
     /// Pads of a journal bearing of another profile.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pads: Option<Vec<Pad>>,
     /// Number of tilting pads.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pad_count: Option<u32>,
     /// Extent of the arc of a tilting pad, rad; 5/6 of its share of the turn by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pad_extent: Option<f64>,
     /// Moment of inertia of a tilting pad about its pivot, kg m².
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pad_inertia: Option<f64>,
     /// Mass of a tilting pad on a flexible pivot, kg.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pad_mass: Option<f64>,
     /// Stiffness of the pivots along their radius, N/m; rigid by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pivot_stiffness: Option<f64>,
     /// Whether linear analyses have the tilts as coordinates or coefficients in which they are eliminated.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reduced: Option<Reduction>,
     /// Where a finite film ruptures; by Reynolds' condition by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rupture: Option<Rupture>,
     /// Designation of a rolling bearing, e.g. "6308", from which its elements are estimated.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub designation: Option<String>,
     /// Kind of a rolling bearing whose elements are estimated from its boundary.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub kind: Option<BearingKind>,
     /// Bore, outside diameter and width of a rolling bearing, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub boundary: Option<[f64; 3]>,
     /// Number of rolling elements.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub elements: Option<u32>,
     /// Diameter of a rolling element, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub element_diameter: Option<f64>,
     /// Diameter of the circle through the centres of the rolling elements, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_diameter: Option<f64>,
     /// Stiffness of one rolling element between both races, N/m^1.5 or N/m^(10/9); by default that of the geometry.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub hertz_stiffness: Option<f64>,
     /// Kind of the rolling elements; balls by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<ContactKind>,
     /// Contact angle, rad, negative for a bearing that carries a load along −x; 0 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub contact_angle: Option<f64>,
     /// Number of directions in which the rings move against each other: 2 (default) along y and z, 5 with the axis and the tilts.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub degrees_of_freedom: Option<u32>,
     /// Axial force with which a bearing with five degrees of freedom is mounted, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_preload: Option<f64>,
     /// Angle of the first rolling element from y towards z at the shaft angle 0, rad; 0 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
     /// Groove radius of the inner race over the diameter of its balls.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_groove: Option<f64>,
     /// Groove radius of the outer race over the diameter of its balls.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub outer_groove: Option<f64>,
     /// Effective length of a roller, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub roller_length: Option<f64>,
     /// Basic dynamic load rating of a rolling bearing, or of one that a linear bearing stands for, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub dynamic_rating: Option<f64>,
     /// Basic static load rating, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub static_rating: Option<f64>,
     /// What it stands on; the ground by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<Base>,
 }
 
@@ -290,15 +247,11 @@ pub struct Pad {
     /// Extent of its arc, rad.
     pub extent: f64,
     /// Axial length, m; that of the bearing by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
     /// Radial clearance of the pad, m; that of the bearing by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance: Option<f64>,
     /// Preload m = 1 − bearing clearance/pad clearance; 0 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub preload: Option<f64>,
     /// Place closest to the centred journal, as a part of the extent in the direction of rotation; 0.5 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<f64>,
 }

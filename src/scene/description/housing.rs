@@ -14,44 +14,32 @@ use super::{Coefficient, FilmModel};
 #[serde(deny_unknown_fields)]
 pub struct Support {
     /// Name; unique in the system.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// The housing on which it stands; the ground without one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<Box<Base>>,
     /// Mass, kg.
     pub mass: f64,
     /// Stiffness to the ground or housing over (y, z), N/m.
     pub stiffness: Coefficient,
     /// Damping to the ground or housing over (y, z), N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<Coefficient>,
     /// Diameter of the ring in a squeeze film, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub diameter: Option<f64>,
     /// Length of a squeeze film, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
     /// Radial clearance of a squeeze film, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance: Option<f64>,
     /// Dynamic viscosity of the oil of a squeeze film, Pa s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
     /// Model of a squeeze film; short by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<FilmModel>,
     /// Whether a squeeze film ruptures (π film, the default) or not (2π film).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<bool>,
     /// Stiffness to the ground or housing along the axis, N/m; without it, the support does not move along the axis.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_stiffness: Option<f64>,
     /// Damping to the ground or housing along the axis, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_damping: Option<f64>,
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub loss_factor: Option<f64>,
 }
 
@@ -80,7 +68,6 @@ pub struct ElasticBody {
     /// Interfaces and points of measurement by name.
     pub interfaces: BTreeMap<String, Interface>,
     /// Modal coordinates of a translation of the whole body along x, y and z; a body that is clamped has none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub translation: Option<[Vec<f64>; 3]>,
 }
 
@@ -93,10 +80,8 @@ pub struct Interface {
     /// Displacements along x, y and z, 1/√kg, and rotations about them, 1/(m √kg), per unit of each modal coordinate.
     pub rows: [Vec<f64>; 6],
     /// Stiffness to the ground along x, y and z, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<[f64; 3]>,
     /// Damping to the ground along x, y and z, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<[f64; 3]>,
 }
 
@@ -111,35 +96,26 @@ pub struct Housing {
     /// Stiffness to the ground over (y, z) at the centre of mass, N/m.
     pub stiffness: Coefficient,
     /// Damping to the ground over (y, z) at the centre of mass, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<Coefficient>,
     /// Stiffness to the ground along the axis, N/m; without it, the housing does not move along the axis.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_stiffness: Option<f64>,
     /// Damping to the ground along the axis, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_damping: Option<f64>,
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub loss_factor: Option<f64>,
     /// Moments of inertia about the axes through the centre of mass parallel to x, y and z, kg m²; without them the
     /// housing does not rotate.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia: Option<[f64; 3]>,
     /// Centre of mass (x, y, z), m; the origin is the left end of the first shaft.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
     /// Stiffness to the ground about x, y and z, N m/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rotational_stiffness: Option<[f64; 3]>,
     /// Damping to the ground about x, y and z, N m s/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rotational_damping: Option<[f64; 3]>,
     /// Points (x, y, z) whose motion can be recorded, m, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub points: BTreeMap<String, [f64; 3]>,
     /// The modes of an elastic body, which has no stiffness, inertia or points of its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub elastic: Option<ElasticBody>,
 }
 

@@ -17,36 +17,26 @@ pub struct Coupling {
     /// Place of the second hub.
     pub b: Place,
     /// Axial stiffness, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_stiffness: Option<f64>,
     /// Lateral stiffness, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub lateral_stiffness: Option<f64>,
     /// Tilting stiffness, N m/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tilting_stiffness: Option<f64>,
     /// Torsional stiffness, N m/rad.
     pub torsional_stiffness: f64,
     /// Axial damping, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_damping: Option<f64>,
     /// Lateral damping, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub lateral_damping: Option<f64>,
     /// Tilting damping, N m s/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tilting_damping: Option<f64>,
     /// Torsional damping, N m s/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub torsional_damping: Option<f64>,
     /// Parallel misalignment of the axis of b to that of a, y + iz, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<Complex>,
     /// Angular misalignment of the axis of b to that of a, slopes along y + iz, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Complex>,
     /// Eccentricity of the hub of b, m, with its angle in the rotating shaft.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub runout: Option<Complex>,
 }
 
@@ -59,7 +49,6 @@ pub struct Drive {
     /// Stiffness, N m/rad.
     pub stiffness: f64,
     /// Damping, N m s/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
 }
 
@@ -72,10 +61,8 @@ pub struct Force {
     /// Force y + iz, N.
     pub value: ForceValue,
     /// Angle of the force per angle of the shaft; a force without an order does not turn.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
     /// Constant force along the axis of the shaft, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial: Option<f64>,
 }
 
@@ -88,7 +75,6 @@ pub struct TimeSeries {
     /// Value at each time.
     pub values: Vec<Complex>,
     /// Derivative at each time; that of a monotone cubic by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub slopes: Option<Vec<Complex>>,
 }
 

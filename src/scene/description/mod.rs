@@ -39,13 +39,10 @@ use super::{Accuracy, SceneError};
 #[serde(deny_unknown_fields)]
 pub struct SceneDescription {
     /// Name of the reference shaft, to which speeds refer; the first shaft by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<String>,
     /// Damping ratios of the undamped modes; zero by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub modal_damping: Option<ModalDampingGiven>,
     /// Rayleigh damping αM + βK of the shafts: `[α, β]`, 1/s and s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<[f64; 2]>,
     /// Whether the axial forces of the static equilibrium change the stiffness of the shafts; false by default.
     #[serde(default, skip_serializing_if = "is_false")]
@@ -54,13 +51,10 @@ pub struct SceneDescription {
     #[serde(default, skip_serializing_if = "is_false")]
     pub bow_torque: bool,
     /// Gravity, m/s².
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
     /// Degrees of freedom of a node; by default those that the scene needs.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<MotionKind>,
     /// Elements that the description does not give, and modes and tolerance of runs; `engineering` by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
     /// Shafts.
     pub shafts: Vec<Shaft>,
@@ -168,10 +162,8 @@ pub struct Notch {
     /// Position on the shaft, m.
     pub position: f64,
     /// Fatigue notch factor of bending and axial stresses.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bending: Option<f64>,
     /// Fatigue notch factor of torsion.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub torsion: Option<f64>,
 }
 
@@ -192,7 +184,6 @@ pub struct Disk {
     /// Moment of inertia about the axis, kg m².
     pub polar_inertia: f64,
     /// Unbalance (mass times eccentricity), kg m, with its angle in the rotating shaft.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub unbalance: Option<Complex>,
 }
 
@@ -213,40 +204,28 @@ pub struct Gear {
     #[serde(default, skip_serializing_if = "is_false")]
     pub internal: bool,
     /// Module, m; of a helical gear the normal module.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub module: Option<f64>,
     /// Base radius, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub base_radius: Option<f64>,
     /// Face width, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub face_width: Option<f64>,
     /// Pressure angle of the basic rack, rad; 20° by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_angle: Option<f64>,
     /// Helix angle on the reference circle, rad, positive for a right-hand helix; a spur gear by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub helix_angle: Option<f64>,
     /// Profile shift coefficient.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub profile_shift: Option<f64>,
     /// Tip radius, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tip_radius: Option<f64>,
     /// Mass, kg.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
     /// Moment of inertia about a diameter, kg m².
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub diametral_inertia: Option<f64>,
     /// Moment of inertia about the axis, kg m².
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub polar_inertia: Option<f64>,
     /// Unbalance (mass times eccentricity), kg m, with its angle in the rotating shaft.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub unbalance: Option<Complex>,
     /// Run-out: offset of the base circle from the axis of the shaft, m, with its angle in the rotating shaft.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub runout: Option<Complex>,
 }
 
@@ -259,44 +238,31 @@ pub struct Mesh {
     /// Name of the driven gear.
     pub driven: String,
     /// Stiffness along the line of action, N/m, or a stiffness model; ISO 6336-1 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<Stiffness>,
     /// Damping ratio ζ of the mesh, c = 2ζ√(k mₑ).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_ratio: Option<f64>,
     /// Damping along the line of action, N s/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub loss_factor: Option<f64>,
     /// Whether the damping acts while the flanks are separated as well; only in contact by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_in_separation: Option<bool>,
     /// Angle from y to the line of centres, driver to driven gear, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_line_angle: Option<f64>,
     /// Angle of the drive flank of a tooth of the driver on its base circle at the time zero, rad; 0 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tooth_angle: Option<f64>,
     /// Centre distance at rest, m; by default that without play, the sum of the pitch radii without profile shift (of a pair with
     /// an internal gear their difference).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_distance: Option<f64>,
     /// Backlash along the line of action, m; by default the flanks never separate.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub backlash: Option<f64>,
     /// Tip relief of both gears.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tip_relief: Option<TipRelief>,
     /// Unloaded transmission error.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<TransmissionError>,
     /// Friction between the flanks: a coefficient, or a table; none by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<MeshFriction>,
     /// The turning carrier on which the planet of this mesh sits; none for gears on fixed axes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub carrier: Option<Place>,
 }
 
@@ -317,7 +283,6 @@ pub struct Torque {
     /// Place where the torque acts.
     pub at: Place,
     /// Torque, N m, constant or over time or speed.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<TorqueValue>,
     /// Whether this torque balances all others.
     #[serde(default, skip_serializing_if = "is_false")]

@@ -13,10 +13,8 @@ pub struct Material {
     /// Density, kg/m³.
     pub density: f64,
     /// Poisson's ratio.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub poisson_ratio: Option<f64>,
     /// Shear modulus, Pa.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub shear_modulus: Option<f64>,
 }
 
@@ -33,43 +31,33 @@ pub struct Shaft {
     /// Name; unique in the system.
     pub name: String,
     /// Length, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
     /// Outer diameter, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub outer_diameter: Option<f64>,
     /// Inner diameter, m; zero by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_diameter: Option<f64>,
     /// Smallest number of elements.
-    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole")]
     pub elements: Option<usize>,
     /// Degree of the elements; one by default.
-    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole")]
     pub degree: Option<usize>,
     /// Whether shear deformation is modelled; true by default.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub shear: bool,
     /// Material; steel by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
     /// Axial force, N, positive for tension; zero by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axial_force: Option<f64>,
     /// Internal damping β, s: the viscous damping βK of the shaft in coordinates that rotate with it; zero by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub internal_damping: Option<f64>,
     /// Loss factor η of the material: K(1 + iη sgn(ω − Ω)) in linear analyses; zero by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub loss_factor: Option<f64>,
     /// Residual bow.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bow: Option<Bow>,
     /// Speed relative to the reference shaft, of a shaft that no mesh or coupling connects to it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_ratio: Option<f64>,
     /// Segments of a stepped shaft, from x = 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub segments: Option<Vec<Segment>>,
 }
 
@@ -93,16 +81,13 @@ pub struct Segment {
     #[serde(default)]
     pub inner_diameter: f64,
     /// Outer diameter at its end, m; that at its begin by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub end_outer_diameter: Option<f64>,
     /// Inner diameter at its end, m; that at its begin by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub end_inner_diameter: Option<f64>,
     /// Material; that of the shaft by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
     /// Smallest number of elements.
-    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole")]
     pub elements: Option<usize>,
 }
 
@@ -122,10 +107,8 @@ pub struct Sleeve {
     /// Inner diameter, m.
     pub inner_diameter: f64,
     /// Material; steel by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
     /// What it adds to the stiffness of the shaft; nothing by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<SleeveStiffness>,
 }
 
@@ -170,22 +153,17 @@ pub struct Bow {
     /// Shape of the curve.
     pub shape: BowShape,
     /// Largest deflection, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<f64>,
     /// Angle in the rotating shaft, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
     /// Number of half waves over the length.
-    #[serde(default, deserialize_with = "some_whole", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "some_whole")]
     pub number: Option<u32>,
     /// Positions of the points on the shaft, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub positions: Option<Vec<f64>>,
     /// Deflection at each point, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitudes: Option<Vec<f64>>,
     /// Angle in the rotating shaft at each point, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phases: Option<Vec<f64>>,
 }
 

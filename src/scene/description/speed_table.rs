@@ -32,10 +32,8 @@ pub enum Outside {
 #[serde(deny_unknown_fields)]
 pub struct SpeedTable {
     /// Speeds, rad/s, ascending from zero or above; without them the speed has no effect.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speeds: Option<Vec<f64>>,
     /// Frequencies, rad/s, ascending from zero or above; without them the frequency has no effect.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequencies: Option<Vec<f64>>,
     /// One entry for each speed, or for each frequency of a table without speeds; all coefficients have the same form.
     pub values: Vec<TableValue>,

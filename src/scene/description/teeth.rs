@@ -76,34 +76,24 @@ pub struct StiffnessModel {
     /// Kind of the model.
     pub model: StiffnessKind,
     /// Mean mesh stiffness, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub mean: Option<f64>,
     /// Largest stiffness of one tooth pair, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pair: Option<f64>,
     /// Stiffness of a parabolic pair at the ends of the path of contact, relative to its largest stiffness.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub end_ratio: Option<f64>,
     /// Mesh stiffness at equal intervals of the mesh cycle, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub values: Option<Vec<f64>>,
     /// Amplitudes of the harmonics of the mesh cycle, N/m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitudes: Option<Vec<f64>>,
     /// Phases of the harmonics, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phases: Option<Vec<f64>>,
     /// Radii at which the bodies of driver and driven gear are fixed, m; by default the radii of the shafts.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bore_radii: Option<[f64; 2]>,
     /// Whether simultaneous pairs share the compliance of fillet and gear body.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub foundation: Option<Foundation>,
     /// `"sharp"`, or the fraction of the base pitch over which a pair comes into contact.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub engagement: Option<Engagement>,
     /// Motions on which the position of the teeth along the path of contact depends.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<Phase>,
 }
 
@@ -165,7 +155,6 @@ pub struct TipRelief {
     /// Length of the relief along the path of contact, from its end, m.
     pub length: f64,
     /// `"linear"` (the default) or `"parabolic"`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<String>,
 }
 
@@ -174,16 +163,12 @@ pub struct TipRelief {
 #[serde(deny_unknown_fields)]
 pub struct TransmissionError {
     /// Harmonics of the mesh frequency.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tooth: Option<Vec<[f64; 2]>>,
     /// Harmonics of the rotation of the driver shaft.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<Vec<[f64; 2]>>,
     /// Harmonics of the rotation of the driven shaft.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub driven: Option<Vec<[f64; 2]>>,
     /// Values at equal intervals of the mesh cycle, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<Vec<f64>>,
 }
 
@@ -205,18 +190,13 @@ pub enum MeshFriction {
 #[serde(deny_unknown_fields)]
 pub struct FrictionTable {
     /// Coefficient of friction.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
     /// Dynamic viscosity of the oil, Pa s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
     /// Arithmetic mean roughness of the flanks, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<f64>,
     /// Factor of the lubricant; 1 by default, for mineral oil.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub lubricant_factor: Option<f64>,
     /// Fraction of the base pitch about the pitch point on which the friction changes its sign.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub transition: Option<f64>,
 }

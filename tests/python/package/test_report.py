@@ -686,7 +686,9 @@ def sentences() -> set[str]:
             and isinstance(node.value, ast.Constant)
         }
         for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "say":
+            func = node.func if isinstance(node, ast.Call) else None
+            says = getattr(func, "id", getattr(func, "attr", "")) in ("say", "note", "find")
+            if says:
                 (text, *_) = node.args
                 if isinstance(text, ast.Constant):
                     found.add(text.value)
