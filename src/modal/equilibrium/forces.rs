@@ -215,7 +215,7 @@ pub(super) struct AtRest<'m> {
     pub speeds: EquilibriumSpeeds,
     /// What the coordinates belong to.
     pub bodies: Bodies,
-    /// Given loads, weights, and torques over the speed, n entries each.
+    /// Given loads, weights, and loads that depend on the speed, n entries each.
     loads: [DVector<f64>; 3],
     /// The part of the loads that acts.
     pub load_factor: f64,
@@ -228,7 +228,7 @@ impl<'m> AtRest<'m> {
         } else {
             Cow::Owned(model.clone().without_operating_points())
         };
-        let loads = [model.given_load(), model.weight(), model.speed_torques(speeds.flanks)];
+        let loads = [model.given_load(), model.weight(), model.speed_loads(speeds.flanks)];
         Self { bodies: Bodies::new(&model), model, geometry, speeds, loads, load_factor: 1.0 }
     }
 
