@@ -369,7 +369,7 @@ impl Model {
     }
 
     /// The same per unit speed of the reference shaft.
-    fn visit_circulation_per_speed(&self, add: Add<'_>) {
+    pub fn visit_circulation_per_speed(&self, add: Add<'_>) {
         for shaft in &self.shafts {
             if let (Some(chain), Some(circulatory)) = (&shaft.bending, &shaft.circulatory) {
                 circulatory.for_each(|row, column, value| {

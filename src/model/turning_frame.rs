@@ -127,7 +127,7 @@ impl Model {
     }
 
     /// Adds what the frames that turn add to the stiffness at a speed of the reference shaft, rad/s.
-    pub(super) fn visit_frames(&self, speed: f64, add: Add<'_>) {
+    pub fn visit_frames(&self, speed: f64, add: Add<'_>) {
         for shaft in &self.shafts {
             shaft.visit_frame(speed, add);
         }

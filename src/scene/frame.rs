@@ -92,7 +92,7 @@ impl Scene {
                 }
             }
         }
-        self.check_frames()
+        if self.has_turning_frame() { self.check_frames() } else { Ok(()) }
     }
 
     /// The shafts that are coupled laterally to a shaft, with this one.

@@ -379,7 +379,11 @@ impl Forces {
                 self.add_round_off::<1, 1>(&chain.stiffness, chain.start, q);
             }
         }
-        model.visit_circulation(&mut |row, column, value| self.elastic[row] -= value * q[column]);
+        if let Some(speed) = model.circulation {
+            model.visit_circulation_per_speed(&mut |row, column, value| self.elastic[row] -= speed * value * q[column]);
+            // Centrifugal forces do not balance within a shaft.
+            model.visit_frames(speed, &mut |row, column, value| self.add(row, -value * q[column]));
+        }
     }
 
     /// Adds the round-off of K q for a chain whose unknowns have `L` lanes.
