@@ -40,7 +40,7 @@ pub struct Planet {
 }
 
 impl Planet {
-    /// Adds the terms of Ω_c² (x − φθ)ᵀ M (x − φθ), negative, that contain the twist θ of the carrier, at a speed of the reference shaft.
+    /// Adds the terms of −Ω_c² (x − φθ)ᵀ M (x − φθ) that contain the twist θ of the carrier, at a speed of the reference shaft.
     fn visit_twist(&self, speed: f64, add: Add<'_>) {
         let square = (speed * self.ratio).powi(2);
         for (index, momentum) in &self.momentum {

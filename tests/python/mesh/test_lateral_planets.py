@@ -293,6 +293,7 @@ def test_planets_share_the_load_and_their_pins_carry_centrifugal_force(speed: fl
     assert expected[0] == pytest.approx(outwards, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_a_displaced_pin_on_a_turning_carrier_unloads_its_planet_by_the_hand_calculation(
     sense: float,
@@ -313,7 +314,7 @@ def test_a_displaced_pin_on_a_turning_carrier_unloads_its_planet_by_the_hand_cal
     compliance = 2 / MESH + 4 * np.cos(ALPHA) ** 2 / PIN
     mean = torque / base(SUN) / 3
     shares = np.array([1.0, 0.0, 0.0]) * 2 * off * np.cos(ALPHA) / compliance
-    assert forces == pytest.approx(mean - shares + shares.mean(), rel=1e-3)
+    assert forces == pytest.approx(mean - shares + shares.mean(), rel=2e-4)
 
 
 def test_a_campbell_diagram_has_the_lines_of_the_frame(stages: dict[int, gb.RotorSystem]):
