@@ -523,3 +523,11 @@ def test_at_standstill_helical_planets_at_unequal_angles_are_those_of_a_star_gea
     found, expected = (train.modes(0.0, count=20, vibrating=True) for train in (turning, star))
     # the shaft of the carrier has a small mass
     assert found.eigenvalues == pytest.approx(expected.eigenvalues, rel=1e-5)
+
+
+def test_planets_stand_around_the_axis_of_their_carrier(stages: dict[int, gb.RotorSystem]):
+    found = stages[4].mass_properties().to_dataframe().set_index("shaft")
+    places = found.loc[[f"pin {i}" for i in (1, 2, 3, 4)], ["y [m]", "z [m]"]].to_numpy()
+    expected = RADIUS * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
+    assert places == pytest.approx(expected, abs=1e-12)
+    assert found.loc["arm", ["y [m]", "z [m]"]].to_numpy(float) == pytest.approx(0.0, abs=1e-12)
