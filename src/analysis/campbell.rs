@@ -105,7 +105,10 @@ pub struct Campbell {
 /// `sense`.
 pub fn lines(cached: &CachedModel, harmonics: u32, sense: f64) -> Vec<ExcitationLine> {
     let scene = &cached.model.scene;
-    let turning = |(shaft, ratio): (usize, &f64)| ExcitationLine {
+    // Unbalance turns relative to the frame of its shaft.
+    let relative =
+        scene.speed_ratios.iter().enumerate().map(|(shaft, ratio)| (shaft, ratio - scene.frame_ratio(shaft)));
+    let turning = |(shaft, ratio): (usize, f64)| ExcitationLine {
         source: ExcitationSource::Shaft(shaft),
         harmonic: 1,
         order: ratio.abs() * sense,
@@ -119,8 +122,8 @@ pub fn lines(cached: &CachedModel, harmonics: u32, sense: f64) -> Vec<Excitation
         };
         (1..=harmonics).map(line)
     });
-    // A shaft that the ratios hold at rest excites nothing.
-    let shafts = scene.speed_ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
+    // A shaft at rest excites nothing, and one that turns with its frame has a constant force there.
+    let shafts = relative.filter(|(shaft, ratio)| *ratio != 0.0 && scene.speed_ratios[*shaft] != 0.0);
     shafts.map(turning).chain(teeth).collect()
 }
 

@@ -37,6 +37,7 @@ pub fn critical_speeds(
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
     let sense = sense_of(order)?;
+    cached.model.scene.refuse_turning_frame("critical speeds of unbalance")?;
     if let Some(journal) =
         cached.model.nonlinear_bearings.iter().find(|bearing| bearing.is_journal() || bearing.is_squeeze())
     {

@@ -140,6 +140,7 @@ pub(super) fn synchronous_of(
     part: ExcitationPart,
     highest: Highest,
 ) -> Result<SourceResponse, AnalysisError> {
+    cached.model.scene.refuse_turning_frame("harmonic response")?;
     let spin = cached.model.shafts[source].ratio * speed;
     let cached = cached.at(speed, spin)?;
     let model = &cached.model;

@@ -83,6 +83,7 @@ impl GearMesh {
         q: &[f64],
         mut visit: impl FnMut(usize, usize, f64),
     ) -> Result<(f64, Directions), Overlap> {
+        let geometry = self.geometry_at_rest(geometry);
         let relative = self.position(geometry, q);
         let (sigma, clearance) = if back { (-sigma, self.backlash.unwrap_or(0.0)) } else { (sigma, 0.0) };
         let line = self.line(
@@ -130,11 +131,19 @@ impl GearMesh {
         })
     }
 
+    /// Whether the line of action follows the centres in an equilibrium: not that of a planet which moves laterally on a carrier that
+    /// turns. The twist of the carrier moves it along the tangent of its path, which would count as a change of the distance.
+    fn geometry_at_rest(&self, geometry: Geometry) -> Geometry {
+        let is_carried = self.carrier.is_some() && self.coordinates.translation.is_some();
+        if is_carried { Geometry::Frozen } else { geometry }
+    }
+
     /// The reported quantities of a mesh in equilibrium with the mean stiffness at the displacements `q`.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn state_at_rest(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<MeshState, Overlap> {
+        let geometry = self.geometry_at_rest(geometry);
         let relative = self.position(geometry, q);
         let (elastic, _) = self.mean_tangent(geometry, sigma, false, q, |_, _, _| {})?;
         let [(drive, _), (back, _)] = self.mean_forces(geometry, sigma, q)?;
@@ -170,6 +179,7 @@ impl GearMesh {
         spins: [f64; 2],
         q: &[f64],
     ) -> Result<MeshLoss, Overlap> {
+        let geometry = self.geometry_at_rest(geometry);
         let relative = self.position(geometry, q);
         let centre_geometry = self.centre_geometry(geometry, relative.relative_displacement)?;
         let tangent = self.line(sigma, &centre_geometry, relative.relative_displacement).tangent;

@@ -107,7 +107,7 @@ pub fn equilibrium(
 ) -> Result<DVector<f64>, EquilibriumError> {
     let speed = speeds.flanks;
     model.check_speed(speed)?;
-    let load = &model.constant_load + model.speed_torques(speed);
+    let load = &model.constant_load + model.speed_loads(speed);
     let null = null_motions(model, speed)?;
     check_balance(model, &null, &load, speed)?;
     let mut search = Search::new(AtRest::new(model, geometry, speeds), Pins::new(model, &null));

@@ -32,7 +32,8 @@ pub(super) fn bearings(
             // A bearing that does not stand on the ground is a link.
             (Some(_), Some(_)) if bearing.attachment.is_some() => {}
             (Some(stiffness), Some(damping)) => {
-                supports.push(Support::new(index, stiffness, damping).with_loss_factor(bearing.loss_factor));
+                let support = Support::new(index, stiffness, damping).with_loss_factor(bearing.loss_factor);
+                supports.push(support.in_frame(scene.frame_ratio(bearing.node.shaft)));
             }
             _ => {
                 let [shaft, base] = scene.bearing_speed_ratios(bearing);
@@ -167,7 +168,7 @@ impl Model {
     pub fn needs_speed(&self) -> bool {
         !self.bearings.is_empty()
             || self.nonlinear_bearings.iter().any(|bearing| bearing.point.is_none())
-            || self.has_internal_damping() && self.circulation.is_none()
+            || self.circulates() && self.circulation.is_none()
     }
 
     /// Whether a shaft has internal damping, whose circulatory forces depend on the speed.
@@ -175,10 +176,15 @@ impl Model {
         self.shafts.iter().any(|shaft| shaft.circulatory.is_some())
     }
 
+    /// Whether the stiffness contains forces that depend on the speed: circulatory ones, or those of a frame that turns.
+    pub fn circulates(&self) -> bool {
+        self.has_internal_damping() || self.scene.has_turning_frame()
+    }
+
     /// Whether this is the model at a speed of the reference shaft, rad/s.
     pub fn is_at_speed(&self, speed: f64) -> bool {
         let is_at = |bearing: &NonlinearBearing| bearing.point.is_some_and(|point| point.speed == Some(speed));
-        let circulates = !self.has_internal_damping() || self.circulation == Some(speed);
+        let circulates = !self.circulates() || self.circulation == Some(speed);
         self.bearings.is_empty() && circulates && self.nonlinear_bearings.iter().all(is_at)
     }
 
@@ -357,7 +363,7 @@ impl Model {
     pub fn with_tables_at(&self, speed: f64) -> Result<Self, SceneError> {
         self.check_tables(speed)?;
         let mut model = self.with_coefficients(|bearing| bearing.at(speed).map(BearingCoefficient::Constant));
-        model.circulation = model.has_internal_damping().then_some(speed);
+        model.circulation = model.circulates().then_some(speed);
         Ok(model)
     }
 
@@ -417,13 +423,14 @@ impl Model {
         self.needs_speed() || self.loads.iter().any(is_over_speed)
     }
 
-    /// Torques over the speed at a speed of the reference shaft, rad/s, n entries, N m.
-    pub fn speed_torques(&self, speed: f64) -> DVector<f64> {
-        let mut torques = DVector::zeros(self.len());
+    /// Torques over the speed, N m, and centrifugal forces on planets, N, at a speed of the reference shaft, rad/s, n entries.
+    pub fn speed_loads(&self, speed: f64) -> DVector<f64> {
+        let mut loads = DVector::zeros(self.len());
         for load in &self.loads {
-            load.rows[0].iter().for_each(|(index, factor)| torques[*index] += factor * load.constant(speed));
+            load.rows[0].iter().for_each(|(index, factor)| loads[*index] += factor * load.constant(speed));
         }
-        torques
+        self.add_centrifugal_forces(speed, &mut loads);
+        loads
     }
 
     /// The bearings at a node whose coefficients depend on the speed.

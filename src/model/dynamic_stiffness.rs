@@ -12,7 +12,7 @@
 use num_complex::Complex64;
 
 use super::shaft::{Chain, ShaftModel};
-use super::{HousingInertia, Link, Model};
+use super::{HousingInertia, Link, Model, Support};
 use crate::connection::{Connection, Row};
 use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
 
@@ -143,12 +143,15 @@ impl Model {
             shaft.rods().for_each(|chain| sum.push(weighted_sum(chain, &Weights { stiffness, ..*weights })));
         }
         push_housings(&mut sum, &self.housings, weights);
+        let speed = self.circulation.filter(|_| !weights.symmetric).unwrap_or_default();
+        let frame_part = |support: &Support| support.frame_part(speed);
         for support in &self.supports {
             let stiffness = if weights.symmetric { &support.symmetric_part } else { &support.stiffness };
             let factor = weights.stiffness_of(support.loss_factor);
             for (i, (stiffness, damping)) in stiffness.iter().zip(&support.damping).enumerate() {
                 for (j, (stiffness, damping)) in stiffness.iter().zip(damping).enumerate() {
                     let value = factor * *stiffness + weights.damping * *damping;
+                    let value = value + weights.stiffness * frame_part(support)[i][j];
                     self.add_entry(&mut sum, support.index + i, support.index + j, value);
                 }
             }
@@ -156,7 +159,13 @@ impl Model {
         for Link { rows, local, .. } in &self.links {
             let stiffness = if weights.symmetric { &local.symmetric_part } else { &local.stiffness };
             let factor = weights.stiffness_of(local.loss_factor);
-            self.add_form(&mut sum, rows, |i, j| factor * stiffness[i][j] + weights.damping * local.damping[i][j]);
+            let frame = frame_part(local);
+            self.add_form(&mut sum, rows, |i, j| {
+                factor * stiffness[i][j] + weights.damping * local.damping[i][j] + weights.stiffness * frame[i][j]
+            });
+        }
+        if !weights.symmetric {
+            self.add_planets(&mut sum, weights.stiffness);
         }
         sum
     }
@@ -223,7 +232,7 @@ impl Model {
     }
 }
 
-/// Appends the chains p and m of a shaft, with its circulatory forces at the speed `circulation`, rad/s.
+/// Appends the chains p and m of a shaft, with its circulatory forces and those of its frame at the speed `circulation`, rad/s.
 fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights, circulation: Option<f64>) {
     let Some(chain) = &shaft.bending else {
         return;
@@ -232,6 +241,15 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights, c
     for sign in [-1.0, 1.0] {
         let mut band = band.clone();
         add(&mut band, &shaft.gyroscopic, weights.gyroscopic * Complex64::new(0.0, sign * shaft.ratio));
+        add(&mut band, &chain.mass, weights.gyroscopic * Complex64::new(0.0, -2.0 * sign * shaft.frame));
+        if let Some(speed) = circulation.filter(|_| !weights.symmetric && shaft.frame != 0.0) {
+            let (turn, square) = (weights.stiffness * speed * shaft.frame, weights.stiffness * speed * speed);
+            add(&mut band, &chain.mass, -square * shaft.frame * shaft.frame);
+            add(&mut band, &shaft.gyroscopic, square * shaft.frame * shaft.ratio);
+            if let Some(damping) = &chain.damping {
+                add(&mut band, damping, turn * Complex64::new(0.0, -sign));
+            }
+        }
         if let (Some(circulatory), Some(speed), false) = (&shaft.circulatory, circulation, weights.symmetric) {
             let weight = weights.stiffness * Complex64::new(0.0, sign * shaft.ratio * speed);
             add(&mut band, circulatory, weight);

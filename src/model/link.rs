@@ -52,6 +52,11 @@ impl Link {
         Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping), rest: None }
     }
 
+    /// The same element in a frame that turns relative to its damper.
+    fn in_frame(self, frame: f64) -> Self {
+        Self { local: self.local.in_frame(frame), ..self }
+    }
+
     /// The same element with a loss factor of its stiffness.
     fn with_loss_factor(self, loss_factor: f64) -> Self {
         Self { local: self.local.with_loss_factor(loss_factor), ..self }
@@ -181,7 +186,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
         }
     }
     for (number, coupling) in scene.couplings.iter().enumerate() {
-        join(coupling, number, numbering, &mut links);
+        join(coupling, number, numbering, scene.frame_ratio(coupling.hubs[0].shaft), &mut links);
     }
     for (number, drive) in scene.drives.iter().enumerate() {
         if let Some(index) = numbering.twist(drive.node) {
@@ -198,7 +203,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
             .filter(|_| bearing.attachment.is_some() && bearing.has_constant_part())
         {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
-            let link = link.with_loss_factor(bearing.loss_factor);
+            let link = link.with_loss_factor(bearing.loss_factor).in_frame(damper_frame(scene, bearing));
             links.push(Link { bearing: Some(bearing.node), ..link });
         }
     }
@@ -212,7 +217,10 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
     let name = format!("bearings[{number}]");
     let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
     let mut push = |rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2| {
+        // One scalar, along the axis, has no direction that turns.
+        let frame = if rows.len() > 1 { damper_frame(scene, bearing) } else { 0.0 };
         let link = Link::new(name.clone(), rows, stiffness, damping).with_loss_factor(bearing.loss_factor);
+        let link = link.in_frame(frame);
         links.push(Link { bearing: Some(bearing.node), ..link });
     };
     if numbering.displacement_along(bearing.node).is_some() && bearing.axial != [0.0; 2] {
@@ -225,6 +233,14 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
     }
 }
 
+/// Speed of the frame of a bearing relative to its damper, over that of the reference shaft: the damper of a pin turns with it.
+fn damper_frame(scene: &Scene, bearing: &Bearing) -> f64 {
+    match bearing.attachment {
+        Some(Attachment::Pin { .. }) => 0.0,
+        _ => scene.frame_ratio(bearing.node.shaft),
+    }
+}
+
 /// Axial displacement of the shaft relative to what its bearing stands on; empty without axial motion of the shaft.
 pub(super) fn axial_bearing_row(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> Row {
     let Some(index) = numbering.displacement_along(bearing.node) else {
@@ -233,6 +249,12 @@ pub(super) fn axial_bearing_row(scene: &Scene, numbering: &Numbering, bearing: &
     let under = match bearing.attachment {
         None => Row::new(),
         Some(Attachment::Shaft(node)) => numbering.displacement_along(node).map(|u| (u, 1.0)).into_iter().collect(),
+        Some(Attachment::Pin { carrier, arm: [_, y, z] }) => {
+            let along = numbering.displacement_along(carrier).map(|u| (u, 1.0));
+            // The coordinates are Γ and −B.
+            let tilt = numbering.translation(carrier).into_iter().flat_map(|v| [(v + 2, -y), (v + 3, -z)]);
+            along.into_iter().chain(tilt).collect()
+        }
         Some(Attachment::Housing { housing, point }) => {
             axial_row(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, point)
         }
@@ -245,7 +267,7 @@ pub(super) fn slope_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing
     let v = numbering.translation(bearing.node)?;
     // The coordinates after v and w are Γ = dv/dx and −B = dw/dx.
     let tilting = match bearing.attachment {
-        Some(Attachment::Shaft(node)) => {
+        Some(Attachment::Shaft(node) | Attachment::Pin { carrier: node, .. }) => {
             numbering.translation(node).map(|first| [2, 3].map(|lane| vec![(first + lane, 1.0)]))
         }
         Some(Attachment::Housing { housing, point }) => {
@@ -269,6 +291,10 @@ pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> 
             let first = numbering.translation(node)?;
             [vec![(first, 1.0)], vec![(first + 1, 1.0)]]
         }
+        Some(Attachment::Pin { carrier, arm: [x, y, z] }) => {
+            let (first, twist) = (numbering.translation(carrier)?, numbering.twist(carrier)?);
+            [vec![(first, 1.0), (first + 2, x), (twist, -z)], vec![(first + 1, 1.0), (first + 3, x), (twist, y)]]
+        }
         Some(Attachment::Housing { housing, point }) => {
             point_rows(scene, numbering, Node { shaft: scene.shafts.len() + housing, node: 0 }, point)?
         }
@@ -277,8 +303,8 @@ pub fn bearing_rows(scene: &Scene, numbering: &Numbering, bearing: &Bearing) -> 
     Some(rows)
 }
 
-/// Springs and dampers of a coupling, over the displacements of hub a relative to hub b.
-fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut Vec<Link>) {
+/// Springs and dampers of a coupling, over the displacements of hub a relative to hub b, whose frame turns with the ratio `frame`.
+fn join(coupling: &Coupling, number: usize, numbering: &Numbering, frame: f64, links: &mut Vec<Link>) {
     let (name, [a, b]) = (format!("couplings[{number}]"), coupling.hubs);
     let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
     let single = |value: f64| [[value, 0.0], [0.0, 0.0]];
@@ -294,7 +320,8 @@ fn join(coupling: &Coupling, number: usize, numbering: &Numbering, links: &mut V
             let rows = vec![relative(v + at, w + at), relative(v + at + 1, w + at + 1)];
             let rest = Rest { fixed, turning, shaft: a.shaft };
             let rest = (fixed != Complex64::ZERO || turning != Complex64::ZERO).then_some(rest);
-            links.push(Link { rest, ..Link::new(name.clone(), rows, stiffness, damping) });
+            let link = Link::new(name.clone(), rows, stiffness, damping).in_frame(frame);
+            links.push(Link { rest, ..link });
         }
     }
     let twists = (numbering.twist(a), numbering.twist(b), coupling.torsional);

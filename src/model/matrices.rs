@@ -68,7 +68,7 @@ impl Model {
     }
 
     /// Gyroscopic matrix G per unit speed of the reference shaft: the term −iΩ_s G_s u̇ of each shaft s for the real
-    /// and imaginary part of u.
+    /// and imaginary part of u, with the Coriolis term of a frame that turns.
     pub fn gyroscopic_matrix(&self) -> DMatrix<f64> {
         self.dense(|add| self.visit_gyroscopic(add))
     }
@@ -359,15 +359,17 @@ impl Model {
         }
     }
 
-    /// −iΩ_s βK_s of each shaft with internal damping, at the speed that the model contains.
+    /// −iΩ_s βK_s of each shaft with internal damping, and what frames that turn add to the stiffness, at the speed that the model
+    /// contains.
     pub fn visit_circulation(&self, add: Add<'_>) {
         if let Some(speed) = self.circulation {
             self.visit_circulation_per_speed(&mut |row, column, value| add(row, column, speed * value));
+            self.visit_frames(speed, add);
         }
     }
 
     /// The same per unit speed of the reference shaft.
-    fn visit_circulation_per_speed(&self, add: Add<'_>) {
+    pub fn visit_circulation_per_speed(&self, add: Add<'_>) {
         for shaft in &self.shafts {
             if let (Some(chain), Some(circulatory)) = (&shaft.bending, &shaft.circulatory) {
                 circulatory.for_each(|row, column, value| {
@@ -388,12 +390,13 @@ impl Model {
                     add(row + 1, column, -shaft.ratio * value);
                 });
             }
+            shaft.visit_coriolis(add);
         }
     }
 
     /// Adds the 2 × 2 coefficient `select` over (v, w) of every bearing with constant coefficients, and that over the
     /// scalars of every link.
-    fn visit_supports(&self, select: impl Fn(&Support) -> [[f64; 2]; 2], add: Add<'_>) {
+    pub(super) fn visit_supports(&self, select: impl Fn(&Support) -> [[f64; 2]; 2], add: Add<'_>) {
         for support in &self.supports {
             for (i, row) in select(support).iter().enumerate() {
                 for (j, value) in row.iter().enumerate() {

@@ -11,7 +11,8 @@
 //!   that rotate with the shaft; `bow` has the nodal values of the bow, `turning_bow` the scalars through which it turns with
 //!   the twist.
 //! - Other parts: `housing` (inertia), `link` (springs and dampers), `loads` (torques, forces, weight), `flanks` (which
-//!   flank of a mesh is pressed), `at_speed` (coefficients of bearings at a speed).
+//!   flank of a mesh is pressed), `at_speed` (coefficients of bearings at a speed), `turning_frame` (planets that turn with their
+//!   carrier).
 //! - `numbering` is the only file that knows the order of the coordinates.
 //! - Matrices on demand: `matrices` (dense and sparse), `dynamic_stiffness` (bands of the shafts at a frequency, in the
 //!   coordinates of `circular`), `quadratic_forms` (energies); `dissipative` decides whether a model can be unstable.
@@ -33,6 +34,7 @@ mod place;
 mod quadratic_forms;
 mod shaft;
 mod turning_bow;
+mod turning_frame;
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -46,6 +48,7 @@ pub use numbering::{Dof, DofKind, Numbering};
 pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
 pub use turning_bow::{bow_force, is_bowed};
+pub use turning_frame::Planet;
 
 use crate::connection::{AppliedLoad, Connection, NonlinearBearing, Row, SpeedDependentBearing, TurningBow};
 use crate::linalg::NotPositiveDefinite;
@@ -70,13 +73,20 @@ pub struct Support {
     pub loss_factor: f64,
     /// Whether it has the coefficients of a nonlinear bearing at its operating point.
     pub is_operating_point: bool,
+    /// Speed of the frame of its coordinates relative to its damper, over that of the reference shaft.
+    pub frame: f64,
 }
 
 impl Support {
     /// A bearing with constant coefficients at the coordinates `index` (v) and `index` + 1 (w).
     pub fn new(index: usize, stiffness: Matrix2, damping: Matrix2) -> Self {
         let symmetric_part = symmetric_part(&stiffness);
-        Self { index, stiffness, symmetric_part, damping, loss_factor: 0.0, is_operating_point: false }
+        Self { index, stiffness, symmetric_part, damping, loss_factor: 0.0, is_operating_point: false, frame: 0.0 }
+    }
+
+    /// The same element in a frame that turns relative to its damper.
+    pub fn in_frame(self, frame: f64) -> Self {
+        Self { frame, ..self }
     }
 
     /// The same element with a loss factor η of its stiffness.
@@ -176,7 +186,10 @@ pub struct Model {
     pub bows: Vec<TurningBow>,
     /// Constant load of torques, forces, gravity and misaligned couplings, n entries, N or N m.
     pub constant_load: DVector<f64>,
-    /// Speed of the reference shaft, rad/s, whose circulatory forces of internal damping belong to the stiffness.
+    /// Planets on pins of carriers that turn.
+    pub planets: Vec<Planet>,
+    /// Speed of the reference shaft, rad/s, whose circulatory forces of internal damping, and forces of frames that turn, belong to
+    /// the stiffness.
     pub circulation: Option<f64>,
     /// σ of every mesh at speed zero.
     sigma_standing: Vec<f64>,
@@ -204,14 +217,15 @@ impl Model {
             .map(|mesh| {
                 let nodes = [mesh.driver, mesh.driven].map(|gear| scene.gears[gear].body.node);
                 let [a, b] = nodes.map(|node| numbering.translation(node));
-                // A stage whose carrier turns couples its shafts in torsion only.
-                let fixed = mesh.carrier.is_none();
-                let translation = a.zip(b).filter(|_| fixed).map(|(a, b)| [a, b]);
+                // With rigid pins, a stage whose carrier turns couples its shafts in torsion only.
+                let moves = scene.acts_laterally(mesh);
+                let translation = a.zip(b).filter(|_| moves).map(|(a, b)| [a, b]);
                 // A scene with a mesh always includes torsion: `Scene::required_motion` ensures this.
                 let twist = nodes.map(|node| numbering.twist(node).unwrap_or_default());
                 let [a, b] = nodes.map(|node| numbering.displacement_along(node));
-                let axial = a.zip(b).filter(|_| fixed).map(|(a, b)| [a, b]);
-                let carrier = mesh.carrier.and_then(|node| numbering.twist(node));
+                let axial = a.zip(b).filter(|_| moves).map(|(a, b)| [a, b]);
+                // A planet on elastic pins has the displacement by the twist of the carrier among its own.
+                let carrier = mesh.carrier.filter(|_| !moves).and_then(|node| numbering.twist(node));
                 GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, axial, twist, carrier })
             })
             .collect();
@@ -229,11 +243,13 @@ impl Model {
             nonlinear_bearings,
             meshes,
             loads: Vec::new(),
+            planets: Vec::new(),
             circulation: None,
             bows: Vec::new(),
             parts: Vec::new(),
         };
         model.parts = model.find_parts();
+        model.planets = model.find_planets();
         model.set_initial_stiffness();
         model.add_loads();
         model.check_buckling()?;

@@ -131,6 +131,8 @@ impl Excitation {
 pub struct ShaftModel {
     /// Speed ratio Ω_s/Ω to the reference shaft; negative for the opposite direction of rotation.
     pub ratio: f64,
+    /// Speed of the frame of its lateral coordinates over that of the reference shaft.
+    pub frame: f64,
     /// Bending; `None` if the scene excludes it.
     pub bending: Option<BendingChain>,
     /// Gyroscopic matrix of bending per unit spin of this shaft, kg m².
@@ -207,6 +209,7 @@ impl ShaftModel {
         let excitations = Vec::new();
         let mut shaft = Self {
             ratio,
+            frame: scene.frame_ratio(index),
             bending,
             gyroscopic,
             twist,

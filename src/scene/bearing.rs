@@ -46,10 +46,10 @@ impl Bearing {
         self.nonlinear.is_none() || self.ring().is_some()
     }
 
-    /// Its nodes: that of its shaft and, for a bearing between two shafts, that of the other one.
+    /// Its nodes: that of its shaft and, for a bearing between two shafts, that of the other one, such as the carrier of a planet.
     pub fn nodes(&self) -> impl Iterator<Item = Node> + Clone + use<> {
         let other = match self.attachment {
-            Some(Attachment::Shaft(node)) => Some(node),
+            Some(Attachment::Shaft(node) | Attachment::Pin { carrier: node, .. }) => Some(node),
             Some(Attachment::Housing { .. }) | None => None,
         };
         std::iter::once(self.node).chain(other)

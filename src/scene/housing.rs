@@ -4,11 +4,13 @@
 
 use std::collections::BTreeMap;
 
+use num_complex::Complex64;
+
 use super::description::{self, Base, ElasticBody, SceneDescription};
 use super::place::{Names, own_supports};
 use super::speed_table::checked;
 use super::train::Train;
-use super::{EntryPath, Journal, Matrix2, Node, SceneError, Shaft, Squeeze, nearest};
+use super::{EntryPath, Journal, Matrix2, Mesh, Node, SceneError, Shaft, Squeeze, nearest};
 
 /// Largest distance of the two places of a bearing between shafts, over the radius of the shaft on which it stands: rounded
 /// centre distances leave one.
@@ -91,6 +93,13 @@ pub enum Attachment {
     },
     /// A node of another shaft.
     Shaft(Node),
+    /// A pin of a carrier that turns.
+    Pin {
+        /// Node of the carrier.
+        carrier: Node,
+        /// Distance (x, y, z) of the bearing from this node in the frame of the carrier, m: the planet is in its plane.
+        arm: [f64; 3],
+    },
 }
 
 /// All supports and housings: the listed supports, the listed housings, then the supports of single bearings.
@@ -146,7 +155,8 @@ pub(super) fn attachments(
     train: Train<'_>,
     housings: &mut [Housing],
 ) -> Result<Vec<Option<Attachment>>, SceneError> {
-    let shared = shared_places(system, names, shafts)?;
+    let mut shared = shared_places(system, names, shafts)?;
+    let pins: Vec<_> = shared.iter_mut().map(|nodes| pin(nodes, shafts, train)).collect();
     let origins = origins(shafts, train, shared.iter().flatten());
     check_shared(&shared, shafts, &origins)?;
     let mut seats = Vec::with_capacity(system.bearings.len());
@@ -161,7 +171,7 @@ pub(super) fn attachments(
         let at = EntryPath::entry("bearings", index);
         match &bearing.support {
             None => Ok(None),
-            Some(Base::Shaft(..)) => Ok(shared[index].map(|[_, base]| Attachment::Shaft(base))),
+            Some(Base::Shaft(..)) => Ok(pins[index].or(shared[index].map(|[_, base]| Attachment::Shaft(base)))),
             Some(Base::Own(_)) => {
                 own += 1;
                 Ok(Some(Attachment::Housing { housing: own - 1, point: HousingPoint::Arm([0.0; 3]) }))
@@ -302,6 +312,27 @@ fn shared_places(
         Ok(Some([own, base]))
     };
     system.bearings.iter().enumerate().map(places).collect()
+}
+
+/// Takes the pin of a carrier that turns from the places of a bearing: one between the shaft of a planet and that of its carrier.
+fn pin(nodes: &mut Option<[Node; 2]>, shafts: &[Shaft], train: Train<'_>) -> Option<Attachment> {
+    let [own, base] = (*nodes)?;
+    let of_planet = |mesh: &Mesh| {
+        let carrier = mesh.carrier.filter(|node| node.shaft == base.shaft)?;
+        let driver = train.gears[mesh.driver].body.node;
+        let outwards = Complex64::from_polar(mesh.centre_distance, mesh.centre_line_angle);
+        let driven = train.gears[mesh.driven].body.node;
+        // Sun and ring have one axis, from which the line of centres points to the planet that they drive.
+        let (planet, out) = if driven.shaft == own.shaft { (driven, outwards) } else { (driver, -outwards) };
+        let x = |node: Node| shafts[node.shaft].nodes[node.node];
+        let arm = [x(own) - x(planet), out.re, out.im];
+        (planet.shaft == own.shaft).then_some(Attachment::Pin { carrier, arm })
+    };
+    let found = train.meshes.iter().find_map(of_planet);
+    if found.is_some() {
+        *nodes = None;
+    }
+    found
 }
 
 /// Refuses a bearing between two shafts whose places are apart.

@@ -8,7 +8,8 @@
 //! - Parts: `shaft`, `material`, `bow`, `gear`, `mesh`, `teeth`, `stiffness`, `bearing`, `nonlinear`, `journal`,
 //!   `rolling` (`catalogue` estimates its elements), `housing`, `loads`.
 //! - The train: `train` (speed ratios, balance of the torques), `centre_distance` (gears with profile shift), `contact`
-//!   (path of contact at rest), `place` (names and positions), `rigid` (the largest stiffness of springs).
+//!   (path of contact at rest), `place` (names and positions), `rigid` (the largest stiffness of springs), `frame`
+//!   (frames that turn with the carrier of planets).
 //! - Values: `curve` and `speed_table` (tables), `modal_damping` (ratios of modes), `hertz` (stiffness of rolling elements), `accuracy` (the promised errors
 //!   and the settings that keep them).
 //! - Messages: `error`, `number`; `plausibility` warns of values that no real machine has.
@@ -22,6 +23,7 @@ mod contact;
 mod curve;
 pub mod description;
 mod error;
+mod frame;
 mod friction;
 mod gear;
 mod hertz;
@@ -153,6 +155,8 @@ pub struct Scene {
     pub rayleigh: [f64; 2],
     /// Gravity along y and z, m/s².
     pub gravity: [f64; 2],
+    /// For each shaft, that of the carrier with which the frame of its lateral motion turns; none for the frame at rest.
+    pub frames: Vec<Option<usize>>,
     /// Whether nodes have the lateral coordinates v, w, B, Γ.
     pub lateral: bool,
     /// Whether nodes have the twist θ.
@@ -203,6 +207,7 @@ impl Scene {
             gears,
             meshes,
             torques,
+            frames: vec![None; system.shafts.len()],
             speed_ratios,
             lateral: true,
             torsion: true,
@@ -212,6 +217,7 @@ impl Scene {
         scene.add_tilting_pads();
         (scene.lateral, scene.torsion) = scene.required_motion(system.motion)?;
         scene.check_planet_angles()?;
+        scene.set_frames()?;
         scene.axial = scene.has_axial_motion(system.motion);
         let implausible = plausibility::check(system, &scene)?;
         scene.warnings.extend(implausible);
@@ -270,11 +276,11 @@ impl Scene {
         }
     }
 
-    /// Refuses planets at unequal angles on a carrier that turns in a scene with bending. There a stage couples its shafts in torsion
+    /// Refuses planets on rigid pins at unequal angles on a carrier that turns in a scene with bending. There a stage couples its shafts in torsion
     /// only, because equal forces of planets at equal angles cancel on sun, ring and carrier.
     fn check_planet_angles(&self) -> Result<(), SceneError> {
-        for (index, first) in self.meshes.iter().enumerate().filter(|(_, mesh)| self.lateral && mesh.carrier.is_some())
-        {
+        let twists = |mesh: &Mesh| mesh.carrier.is_some() && !self.acts_laterally(mesh);
+        for (index, first) in self.meshes.iter().enumerate().filter(|(_, mesh)| self.lateral && twists(mesh)) {
             let shaft = |mesh: &Mesh| mesh.carrier.map(|node| node.shaft);
             let of_stage = || self.meshes.iter().filter(|mesh| shaft(mesh) == shaft(first));
             let entry = EntryPath::entry("meshes", index);

@@ -293,8 +293,9 @@ class Mesh(Part):
         Modes, responses to harmonic forces and the static equilibrium do not contain it.
     carrier : str or tuple of (str, float), optional
         What carries the planet of this mesh, if it turns: a disk or gear by name, or (shaft,
-        position [m]). Angles and twists of both gears are then relative to it. It needs
-        `motion="torsion"`; `PlanetaryStage` sets it. None: the axes of both gears are fixed.
+        position [m]). Angles of both gears are then relative to it. Where the planet has no
+        bearings on the carrier, the mesh acts in torsion only. `PlanetaryStage` sets it. None: the
+        axes of both gears are fixed.
 
     Examples
     --------

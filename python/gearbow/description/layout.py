@@ -614,18 +614,23 @@ def coaxial(
     places: Mapping[str, tuple[str, float]],
 ) -> Iterator[tuple[tuple[str, float], tuple[str, float]]]:
     """Give the places that couplings, and bearings between two shafts, put at one point."""
-    # A carrier that turns is at the place of the ring around its planets.
+    pins = set()
     for mesh in meshes:
-        rings = [name for name in (mesh.driver, mesh.driven) if gears[name].internal]
-        if mesh.carrier is not None and rings:
-            carrier = mesh.carrier
-            yield places[rings[0]], places[carrier] if isinstance(carrier, str) else carrier
+        if mesh.carrier is None:
+            continue
+        carrier = places[mesh.carrier] if isinstance(mesh.carrier, str) else mesh.carrier
+        pins |= {(gears[name].shaft, carrier[0]) for name in (mesh.driver, mesh.driven)}
+        # A carrier that turns is at the place of the ring around its planets.
+        yield from (
+            (places[name], carrier) for name in (mesh.driver, mesh.driven) if gears[name].internal
+        )
     for coupling in couplings:
         a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
         yield a, b
     for bearing in bearings:
         other = other_shaft(bearing.support)
-        if other is not None:
+        # A bearing of a planet on its carrier is on a pin, away from the axis of the carrier.
+        if other is not None and (bearing.shaft, other[0]) not in pins:
             yield (bearing.shaft, bearing.position), other
 
 

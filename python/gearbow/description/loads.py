@@ -127,7 +127,8 @@ class Force(Part):
         of `frequency_response` also two phasors, along y and z.
     order : float, optional
         The force turns with this multiple of the angle of its shaft, value·e^{i·order·ϑ}; None is
-        fixed in space. A force of order 1 belongs to the synchronous response, with its bow.
+        fixed in space, or in the frame of a carrier that turns with planets on bearings. A force of
+        order 1 belongs to the synchronous response, with its bow.
     axial : complex
         Constant force along the axis of the shaft, towards +x [N]; a phasor as a source of
         `frequency_response`.

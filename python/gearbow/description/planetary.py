@@ -148,10 +148,12 @@ class PlanetaryStage(Part):
     ring, and its bearings. Results, files and analyses know them as all others. The speeds obey
     z_sun (Ω_sun − Ω_carrier) = −z_ring (Ω_ring − Ω_carrier) (Willis).
 
-    A carrier that turns is computed in torsion: the system needs `motion="torsion"`. The pins are
-    then rigid, and the planets need no bearings; a disk "planet masses", named after `planet`, adds
-    the inertia of the planets about the axis of the stage to the carrier. A ring on the ground gets
-    a shaft at rest, "ring mount", named after the ring, and a drive that holds it.
+    The carrier may turn. Planets without bearings are then on rigid pins, and the stage couples
+    sun, ring and carrier in torsion; a disk "planet masses", named after `planet`, adds the inertia
+    of the planets about the axis of the stage to the carrier. A ring on the ground gets a shaft at
+    rest, "ring mount", named after the ring, and a drive that holds it. Planets with bearings move
+    laterally in the frame of the carrier, in which modes, Campbell diagram and static equilibrium
+    are computed; sun, ring and carrier then need bearings, too.
 
     Parameters
     ----------
@@ -167,9 +169,9 @@ class PlanetaryStage(Part):
     planet : Gear
         One planet. Its position is that on its shaft, the name of which is ignored.
     bearing : Bearing, JournalBearing, RollingBearing or sequence of them
-        Bearings of one planet on its pin, for a carrier at rest. Positions are those on the shaft
-        of the planet; the name of the shaft is ignored. Two bearings, or one with a tilting
-        stiffness, hold a planet against tilting. With a carrier that turns they are an error.
+        Bearings of one planet on its pin. Positions are those on the shaft of the planet; the name
+        of the shaft is ignored. Two bearings, or one with a tilting stiffness, hold a planet
+        against tilting. With a carrier that turns, none is a rigid pin, and others must be linear.
     pin : Shaft, optional
         Shaft of one planet, after whose name those of all planets are named. None is a massless
         steel shaft "planet pin" with the length of the face width and half of the diameter of the
@@ -352,16 +354,8 @@ class PlanetaryStage(Part):
         bodies |= {disk.name: disk for disk in disks}
         turning = self._turning(names, bodies, path)
         bearings = self._bearings(path)
-        if (turning is None) != bool(bearings):
-            raise SceneError(
-                f"{path}.bearing: "
-                + (
-                    "the planets need bearings on their pins"
-                    if turning is None
-                    else "the pins of a carrier that turns are rigid, as it is computed in torsion "
-                    "only; leave the bearings out"
-                )
-            )
+        if turning is None and not bearings:
+            raise SceneError(f"{path}.bearing: the planets need bearings on their pins")
         added: dict[str, list[Any]] = {key: [] for key in ADDED}
         by_name = {gear.name: gear for gear in gears}
         if isinstance(self.ring, RingGear):
@@ -396,7 +390,7 @@ class PlanetaryStage(Part):
         self._check_neighbours(sun, angles, path)
         for i, angle in enumerate(angles, start=1):
             own = f"{self.planet.name} {i}"
-            pin = self._pin(turning is not None, path)
+            pin = self._pin(turning is not None and not bearings, path)
             shaft = f"{pin.name} {i}"
             added["shafts"].append(replace(pin, name=shaft))
             added["gears"].append(replace(self.planet, name=own, shaft=shaft))
@@ -417,7 +411,7 @@ class PlanetaryStage(Part):
                     )
                 )
             added["bearings"] += [
-                replace(each, shaft=shaft, support=self.carrier) for each in bearings
+                replace(each, shaft=shaft, support=turning or self.carrier) for each in bearings
             ]
         return added
 
@@ -452,8 +446,8 @@ class PlanetaryStage(Part):
         given = self.bearing if isinstance(self.bearing, list | tuple) else (self.bearing,)
         return parts(given, Bearing, f"{path}.bearing", JournalBearing, RollingBearing)
 
-    def _pin(self, turning: bool, path: str) -> Shaft:
-        """Give the shaft of one planet."""
+    def _pin(self, twists: bool, path: str) -> Shaft:
+        """Give the shaft of one planet, which may only twist."""
         if self.pin is not None:
             return self.pin
         planet = self.planet
@@ -461,7 +455,7 @@ class PlanetaryStage(Part):
             raise SceneError(f"{path}.pin: give it, or module and face_width of the planet")
         diameter = planet.module * planet.teeth / math.cos(planet.helix_angle)
         name, length = f"{planet.name} pin", planet.face_width
-        if turning:
+        if twists:
             return Shaft(name, length=length, outer_diameter=_THIN * diameter)
         return Shaft(name, length=length, outer_diameter=0.5 * diameter, material=_MASSLESS)
 
@@ -494,7 +488,9 @@ def planet_masses(
 ) -> list[Disk]:
     """Give the disk with the inertia of planets about the carrier's axis; masses in kg."""
     # Rigid pins move the planets along with the carrier; the spin of a planet about its own axis
-    # is a motion of its own.
+    # is a motion of its own. Planets on bearings move laterally themselves.
+    if stage._bearings("bearing"):
+        return []
     first = next(mesh for mesh in meshes if f"{stage.planet.name} 1" in _ends(mesh))
     if first.carrier is None or isinstance(first.carrier, str):
         return []

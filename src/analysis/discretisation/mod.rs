@@ -207,7 +207,7 @@ fn excitations(phases: &[CachedModel], largest: usize) -> Result<Vec<Excitation>
 /// stiffness that follows from the weight of their shafts, because the loads and speeds of the analyses are not known.
 fn at_lowest_speed(model: Model) -> Result<Model, SceneError> {
     let model = if model.nonlinear_bearings.is_empty() { model } else { model.with_initial_operating_points() };
-    if model.bearings.is_empty() && !model.has_internal_damping() {
+    if model.bearings.is_empty() && !model.circulates() {
         return Ok(model);
     }
     model.at_frequency(model.lowest_frequency())?.with_tables_at(model.lowest_speed().unwrap_or(0.0))

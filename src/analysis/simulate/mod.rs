@@ -159,6 +159,7 @@ pub fn simulate(
 fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
     cached.model.scene.refuse_loss_factors()?;
     cached.model.scene.refuse_reduced_pads()?;
+    cached.model.scene.refuse_turning_frame("run")?;
     Ok(match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest())?,
         Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,

@@ -96,6 +96,7 @@ struct Source {
 /// # Errors
 /// [`SceneError`] that names the frequencies if there is no period, or if it is too long.
 pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64) -> Result<f64, AnalysisError> {
+    model.scene.refuse_turning_frame("steady state")?;
     if let Some(period) = given {
         return Ok(period);
     }

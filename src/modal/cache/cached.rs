@@ -318,7 +318,7 @@ impl CachedModel {
         let tables = self.model.bearings.iter().flat_map(|bearing| bearing.rows.iter().cloned());
         let nonlinear = self.model.nonlinear_bearings.iter().flat_map(|bearing| bearing.rows.iter().cloned());
         let rows = tables.chain(nonlinear).collect();
-        let model = if self.model.bearings.is_empty() && !self.model.has_internal_damping() {
+        let model = if self.model.bearings.is_empty() && !self.model.circulates() {
             self.model.clone().with_initial_operating_points()
         } else {
             first.clone()

@@ -215,7 +215,7 @@ pub(super) struct AtRest<'m> {
     pub speeds: EquilibriumSpeeds,
     /// What the coordinates belong to.
     pub bodies: Bodies,
-    /// Given loads, weights, and torques over the speed, n entries each.
+    /// Given loads, weights, and loads that depend on the speed, n entries each.
     loads: [DVector<f64>; 3],
     /// The part of the loads that acts.
     pub load_factor: f64,
@@ -228,7 +228,7 @@ impl<'m> AtRest<'m> {
         } else {
             Cow::Owned(model.clone().without_operating_points())
         };
-        let loads = [model.given_load(), model.weight(), model.speed_torques(speeds.flanks)];
+        let loads = [model.given_load(), model.weight(), model.speed_loads(speeds.flanks)];
         Self { bodies: Bodies::new(&model), model, geometry, speeds, loads, load_factor: 1.0 }
     }
 
@@ -379,7 +379,11 @@ impl Forces {
                 self.add_round_off::<1, 1>(&chain.stiffness, chain.start, q);
             }
         }
-        model.visit_circulation(&mut |row, column, value| self.elastic[row] -= value * q[column]);
+        if let Some(speed) = model.circulation {
+            model.visit_circulation_per_speed(&mut |row, column, value| self.elastic[row] -= speed * value * q[column]);
+            // Centrifugal forces do not balance within a shaft.
+            model.visit_frames(speed, &mut |row, column, value| self.add(row, -value * q[column]));
+        }
     }
 
     /// Adds the round-off of K q for a chain whose unknowns have `L` lanes.

@@ -345,7 +345,7 @@ def test_tables_and_stresses_know_shafts_that_only_twist_and_a_ring_at_rest():
         ),
         (
             {"bearing": gb.Bearing("pin", 0.01, stiffness=1e8)},
-            r"planetary_stages\[0\]\.bearing: the pins of a carrier that turns are rigid",
+            r'bearings\[0\]: is that of a planet on a carrier that turns, and motion="torsion"',
         ),
         ({"planets": 6}, r"planetary_stages\[0\]\.planets: planets 1 and 2 overlap"),
     ],
