@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 ACTIVE = os.environ.get("GEARBOW_MUTANT")
 RECORD = os.environ.get("GEARBOW_RECORD")
-#: Time limit of one phase of a test while the record is made [s].
-LIMIT = float(os.environ.get("GEARBOW_TEST_LIMIT", "inf"))
+#: Time limit of one phase of a test while the record is made [s]; 0 is none.
+LIMIT = float(os.environ.get("GEARBOW_TEST_LIMIT", "0"))
 
 _reached: set[str] = set()
 
@@ -90,10 +90,13 @@ if RECORD:
         return report
 
     def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-        """Leave out the tests that an earlier record has to their end."""
+        """Keep one case of each test, and leave out what an earlier record has to its end."""
         record = Path(str(RECORD))
         earlier = [path for path in record.parent.glob(f"*{record.suffix}") if path != record]
         lines = [line for path in earlier for line in path.read_text("utf-8").splitlines()]
         entries = [json.loads(line) for line in lines]
         ended = {entry["test"] for entry in entries if entry["when"] == "teardown"}
-        items[:] = [item for item in items if item.nodeid not in ended]
+        first: dict[str, pytest.Item] = {}
+        for item in items:
+            first.setdefault(item.nodeid.split("[", maxsplit=1)[0], item)
+        items[:] = [item for item in first.values() if item.nodeid not in ended]
