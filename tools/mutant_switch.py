@@ -3,7 +3,8 @@
 `tools/mutants.py` writes calls of `is_active` into a copy of the package, and loads this module as
 a plugin of pytest. The environment variable GEARBOW_MUTANT names the mutant that is switched on.
 GEARBOW_RECORD names the file that the record is appended to, one JSON object a line: a mutant and
-the test that reached it, or a test, its phase, duration [s] and outcome. The processes that a test
+the test that reached it; or a test, its phase, duration [s] and outcome; or a test and the number
+of its cases, of which the first runs. The processes that a test
 starts inherit both variables, and the name of the test from pytest.
 """
 
@@ -95,8 +96,11 @@ if RECORD:
         earlier = [path for path in record.parent.glob(f"*{record.suffix}") if path != record]
         lines = [line for path in earlier for line in path.read_text("utf-8").splitlines()]
         entries = [json.loads(line) for line in lines]
-        ended = {entry["test"] for entry in entries if entry["when"] == "teardown"}
-        first: dict[str, pytest.Item] = {}
+        ended = {entry["test"] for entry in entries if entry.get("when") == "teardown"}
+        cases: dict[str, list[pytest.Item]] = {}
         for item in items:
-            first.setdefault(item.nodeid.split("[", maxsplit=1)[0], item)
-        items[:] = [item for item in first.values() if item.nodeid not in ended]
+            cases.setdefault(item.nodeid.split("[", maxsplit=1)[0], []).append(item)
+        items[:] = [each[0] for each in cases.values() if each[0].nodeid not in ended]
+        for first, *others in cases.values():
+            if others:
+                _write({"test": first.nodeid, "cases": 1 + len(others)})

@@ -455,24 +455,33 @@ def build(mutants: dict[str, Mutant]) -> dict[str, Mutant]:
 
 @dataclass
 class Record:
-    """Durations of the tests that pass [s] by phase, and the tests that reach each mutant."""
+    """What the first cases of the tests told."""
 
+    #: Duration of each phase of a test that passes [s].
     durations: dict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
+    #: Tests that reach a mutant.
     reaching: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
+    #: Number of cases of a test that has several.
+    cases: dict[str, int] = field(default_factory=dict)
+
+    def duration(self, test: str) -> float:
+        """Return the duration of all cases of a test [s]."""
+        return self.durations[test]["call"] * self.cases.get(test, 1)
 
     def chosen(self, mutant: str) -> tuple[list[str], float]:
         """Return tests for a mutant in the order of their run, and the sum of their durations [s].
 
-        The shortest test of each file comes first, then others, until the sum is `TEST_TIME`.
+        The shortest test of each file comes first, then others, until the sum is `TEST_TIME`. A
+        test runs with all its cases.
         """
         fixtures: dict[str, float] = defaultdict(float)
         for test, phases in self.durations.items():
             fixtures[file_of(test)] = max(fixtures[file_of(test)], phases["setup"])
         of_file: dict[str, list[str]] = defaultdict(list)
-        for test in sorted(self.reaching[mutant], key=lambda test: self.durations[test]["call"]):
+        for test in sorted(self.reaching[mutant], key=self.duration):
             of_file[file_of(test)].append(test)
         ranked = [
-            (rank, self.durations[test]["call"], test)
+            (rank, self.duration(test), test)
             for tests in of_file.values()
             for rank, test in enumerate(tests)
         ]
@@ -483,7 +492,7 @@ class Record:
             added = duration + (0.0 if rank else fixtures[file_of(test)])
             if total + added < TEST_TIME:
                 total += added
-                (later if rank else first).append(test)
+                (later if rank else first).append(test.split("[", maxsplit=1)[0])
         return first + sorted(later, key=file_of), total
 
 
@@ -518,11 +527,15 @@ def read_records(folder: Path) -> Record:
             entry = json.loads(line)
             if "mutant" in entry:
                 reached.append(entry)
+            elif "cases" in entry:
+                record.cases[entry["test"]] = entry["cases"]
             else:
                 record.durations[entry["test"]][entry["when"]] = entry["duration"]
                 outcomes[entry["test"]].add(entry["outcome"])
-    for test in [test for test in outcomes if outcomes[test] != {"passed"}]:
-        del record.durations[test]
+    for test, seen in outcomes.items():
+        # Setup, call and teardown
+        if seen != {"passed"} or len(record.durations[test]) < 3:
+            del record.durations[test]
     of_file: dict[str, list[str]] = defaultdict(list)
     for test in record.durations:
         of_file[file_of(test)].append(test)
