@@ -58,9 +58,11 @@ def test_static_equilibrium_on_either_flank(torque: float, coupled: bool):
         assert mesh.deflection == pytest.approx(torque / LAW.base_radius_a / K + lost, rel=1e-9)
     # a run stays at this equilibrium, rotating or not; at rest the drive flank is in contact
     for speed, force in ((0.0, abs(torque)), (300.0, torque)):
-        still = system.simulate(2e-3, speed, initial="static").mesh(MESH)
-        assert still.force == pytest.approx(force / LAW.base_radius_a, rel=1e-7)
-        assert not system.simulate(2e-3, speed, initial="static").events
+        still = system.simulate(2e-3, speed, initial="static")
+        assert still.mesh(MESH).force == pytest.approx(force / LAW.base_radius_a, rel=1e-7)
+        assert not still.events
+        shares = still.contact_shares(MESH)
+        assert (shares.drive, shares.back) == ((1.0, 0.0) if force > 0.0 else (0.0, 1.0))
 
 
 @pytest.mark.parametrize("method", ["rk4", "rk45"])
