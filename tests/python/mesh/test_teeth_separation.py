@@ -65,6 +65,17 @@ def test_static_equilibrium_on_either_flank(torque: float, coupled: bool):
         assert (shares.drive, shares.back) == ((1.0, 0.0) if force > 0.0 else (0.0, 1.0))
 
 
+def test_steps_converge_on_the_back_flanks_as_on_the_drive_flanks():
+    # Newton's method of a step needs the damping of the flank that presses, about four evaluations.
+    mesh = {"stiffness": K, "backlash": BACKLASH, "damping": 1e4}
+    counts = []
+    for torque in (TORQUE, -TORQUE):
+        run = Toothed(mesh=mesh, torque=torque).package().simulate(2e-3, 300.0, initial="rest")
+        counts.append(run.statistics.evaluations / run.statistics.steps)
+    drive, back = counts
+    assert back == pytest.approx(drive, rel=0.1)
+
+
 @pytest.mark.parametrize("method", ["rk4", "rk45"])
 def test_from_rest_the_flanks_meet_at_once(method: str):
     found = (
