@@ -41,7 +41,7 @@ def is_active(mutant: str) -> bool:
 
 def _write(entry: dict[str, Any]) -> None:
     """Append a line to the record; one call, so that lines of several processes do not mix."""
-    file = os.open(str(RECORD), os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+    file = os.open(str(RECORD), os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
     os.write(file, (json.dumps(entry) + "\n").encode())
     os.close(file)
 
