@@ -33,7 +33,7 @@ help:
 	@echo "make quick         build gearbow into the sources for work on it: a changed line takes less than a minute"
 	@echo "make random        check general properties on 2,000 new random scenes, and run all examples and the slow cells of the fleet"
 	@echo "make fuzz          parse a million randomly changed descriptions, 10,000 damaged REXS files, and 28,000 damaged files of all kinds"
-	@echo "make mutants       change one place of the program at a time: what share of 210 changes do the tests catch? (hours)"
+	@echo "make mutants       change one place of the program at a time: what share of 120 changes do the tests notice? (about an hour)"
 	@echo "make check         the tests, and everything else that must hold before a change is merged"
 	@echo "make docs          build the documentation site into site/; open site/index.html"
 	@echo "make web           build target/web/try.html, a page that runs gearbow in a browser, and test it"
@@ -86,7 +86,7 @@ fuzz: $(VENV)/.dev
 	GEARBOW_CASES=50 $(BIN)/python -m pytest tests/python/scene/test_fuzz.py tests/python/files/test_rexs.py tests/python/files/test_damaged_files.py \
 		tests/python/runs/test_random_run_up.py -k "every"
 
-# Takes hours on two cores. All mutants of the core are compiled into one program.
+# All mutants are compiled into one program. It goes on where an earlier call ended.
 mutants: $(VENV)/.mutants
 	$(BIN)/python tools/mutants.py --seed 1
 

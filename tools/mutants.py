@@ -1,17 +1,19 @@
-"""Change one place of the program at a time, and count how many of these mutants the tests catch.
+"""Change one place of the program at a time, and count how many of these mutants the tests notice.
 
-    python tools/mutants.py [--python 150] [--rust 60] [--seed 1] [--left-out PART ...]
+    python tools/mutants.py [--python 60] [--rust 60] [--seed 1] [--jobs 2] [--left-out PART ...]
 
 The mutants are drawn at random from those of cosmic-ray (Python) and from the operators of the Rust
 core (`SWAPS`); a Python mutant that changes only annotations, docstrings or `__all__` is not drawn.
-All work happens in a copy of the repository in target/mutants. A Python mutant runs the tests that
-execute its line, the shortest first, until one fails; a run of each file of tests with coverage
-finds them. All Rust mutants are compiled into one program, and the environment variable
-GEARBOW_MUTANT switches one of them on; a mutant runs the Python tests of `TESTS_OF`, then the Rust
-tests, which are slower. The script prints each mutant that no test catches, and the share of caught
-mutants with its standard deviation. It keeps coverage and fates in target/mutant-results: a call
-that was interrupted goes on where it ended, and a file of tests that did not change keeps its
-coverage.
+All of them are written into one copy of the working tree, in target/mutants. The environment
+variable GEARBOW_MUTANT switches one of them on.
+
+One run of the Python tests without a mutant, with the first case of each test, records which
+tests reach which mutants (`mutant_switch.py`). A mutant then runs tests that reach it until one
+fails: first the shortest test of each file, then others, with a limit of their total time. A Rust
+mutant that these tests do not notice runs the Rust tests too. The script prints each mutant with
+the test that noticed it, and the share of noticed mutants of each language with its standard
+deviation. Records and results are kept in target/mutant-results: a call that was interrupted goes
+on where it ended, and a later call runs new tests, and the mutants that no test noticed.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import argparse
 import ast
 import contextlib
 import difflib
+import hashlib
 import json
 import os
 import random
@@ -28,165 +31,154 @@ import signal
 import subprocess
 import sys
 from collections import defaultdict
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from math import ceil, inf, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree as ET
 
 import tree_sitter_rust
 from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator, operator_names
-from coverage import CoverageData
 from tree_sitter import Language, Node, Parser
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 COPY = Path("target/mutants")
-#: Coverage of the files of tests, and fates of mutants.
+#: Records of the tests and results of the mutants.
 KEPT = Path("target/mutant-results")
-#: Time limit of the tests of one mutant [s]. A mutant that exceeds it counts as caught.
-TIME_LIMIT = 900.0
-#: Longest sum of the durations of the tests for one Python mutant [s], well below the time limit.
-TEST_TIME = 240.0
-#: The number of the mutant of a process; no number in a program without mutants.
-SWITCH = """
-pub(crate) fn is_active(mutant: u32) -> bool {
-    static ACTIVE: std::sync::LazyLock<Option<u32>> =
-        std::sync::LazyLock::new(|| std::env::var("GEARBOW_MUTANT").ok()?.parse().ok());
+#: The Python tests, without the documents, whose examples run long and check little.
+TESTS = ("python/gearbow", "tests/python", "tests/extremes")
+#: Longest sum of the durations of the Python tests for one mutant, and longest phase of one
+#: test [s]. A test that takes longer is stopped while the record is made.
+TEST_TIME, LONGEST = 60.0, 30.0
+#: Time limit of the Python tests of one mutant: this many times the sum of their durations, and
+#: a time for the start of pytest [s]. A mutant that exceeds a time limit counts as noticed.
+TIME_FACTOR, START_TIME = 4.0, 60.0
+#: Time limit of the Rust tests of one mutant [s].
+RUST_TIME = 900.0
+#: What the Rust core of the copy gets. Only the extension module writes a record.
+SWITCH = r"""
+pub(crate) fn is_active(mutant: usize) -> bool {
+    static ACTIVE: std::sync::LazyLock<Option<usize>> = std::sync::LazyLock::new(|| {
+        std::env::var("GEARBOW_MUTANT").ok()?.strip_prefix("rust ")?.parse().ok()
+    });
+    #[cfg(feature = "python")]
+    if !REACHED[mutant].load(std::sync::atomic::Ordering::Relaxed) {
+        record(mutant);
+    }
     *ACTIVE == Some(mutant)
 }
+
+#[cfg(feature = "python")]
+static REACHED: [std::sync::atomic::AtomicBool; COUNT] =
+    [const { std::sync::atomic::AtomicBool::new(false) }; COUNT];
+
+#[cfg(feature = "python")]
+fn record(mutant: usize) {
+    use std::io::Write;
+    REACHED[mutant].store(true, std::sync::atomic::Ordering::Relaxed);
+    let Some(path) = std::env::var_os("GEARBOW_RECORD") else { return };
+    let current = std::env::var("PYTEST_CURRENT_TEST").unwrap_or_default();
+    let (test, when) = current.rsplit_once(" (").unwrap_or_default();
+    let when = when.trim_end_matches(')');
+    let entry = format!("\"mutant\": \"rust {mutant}\", \"test\": {test:?}, \"when\": {when:?}");
+    let line = format!("{{{entry}}}\n");
+    if let Ok(mut file) = std::fs::OpenOptions::new().append(true).create(true).open(path) {
+        let _ = file.write_all(line.as_bytes());
+    }
+}
+
+#[cfg(feature = "python")]
+pub(crate) fn forget_reached() {
+    for mutant in &REACHED {
+        mutant.store(false, std::sync::atomic::Ordering::Relaxed);
+    }
+}
+"""
+#: The function of the extension module that `mutant_switch.py` calls before each phase of a test.
+FORGET = """mod _core {
+    #[pyo3::pyfunction]
+    fn forget_reached() {
+        crate::forget_reached();
+    }
 """
 #: Drawn Rust mutants for each wanted one: a few do not compile.
 SPARE = 1.2
-#: Parts of the names of operators that nearly every test catches: they change the type of a value.
+#: Parts of the names of operators that nearly every test notices: they change the type of a value.
 CRUDE = ("Shift", "Bit", "Decorator", "Variable", "Invert", "Exception", "_Is", "Mod", "FloorDiv")
-#: Patterns of the Python tests of a folder of the Rust core.
-TESTS_OF = {
-    "analysis/campbell": "campbell or stability or structured or closed_form or published",
-    "analysis/discretisation": "discretisation or elements or accuracy",
-    "analysis/simulate": "run or response or exponential or checkpoint or modal or initial",
-    "analysis/steady": "steady or periodic or continuation",
-    "analysis": "campbell or synchronous or balance or static or stability or memory or long_work",
-    "connection": "bearing or mesh or teeth or drive or force or flank or random",
-    "element": "element or closed_form or published or axial",
-    "exponential": "exponential or sample or contact or step or teeth or changing",
-    "film": "journal or equilibri",
-    "integrate": "order or method or event or run or time",
-    "linalg": "structured or mode or campbell or published",
-    "mesh": "mesh or teeth or helical or path or flank or profile",
-    "modal": "mode or modal or structured or campbell or static or equilibri or stability",
-    "model": "scene or bow or support or coupling or axial or reference or matri",
-    "motion": "energy or invariant or response or speed",
-    "python": "error or options or persistence or checkpoint or names",
-    "rolling": "rolling or equilibri",
-    "scene": "scene or description or name or number or unit or kinematic",
-}
 
 
-def environment() -> dict[str, str]:
+def environment(**more: str) -> dict[str, str]:
     """Return the environment of the commands."""
-    return os.environ | {
-        "CARGO_INCREMENTAL": "1",
-        "CARGO_TARGET_DIR": str(Path("target").resolve()),
+    paths = [COPY / "python", Path(__file__).parent]
+    return {
+        "CARGO_TARGET_DIR": str(Path("target/mutants-build").resolve()),
+        **os.environ,
         "PYO3_PYTHON": sys.executable,
         "PYTHONDONTWRITEBYTECODE": "1",
-        "PYTHONPATH": str((COPY / "python").resolve()),
+        "PYTHONPATH": os.pathsep.join(str(path.resolve()) for path in paths),
+        **more,
     }
 
 
-def passes(
-    command: list[str], limit: float | None = TIME_LIMIT, coverage: Path | None = None
-) -> bool:
-    """Return whether a command succeeds in the copy within a time limit [s]."""
-    more = {} if coverage is None else {"COVERAGE_FILE": str(coverage.resolve())}
+def run(command: list[str], limit: float = inf, **more: str) -> tuple[int | None, str]:
+    """Run a command in the copy.
+
+    Return its exit code, None at the time limit [s], and its standard output.
+    """
     process = subprocess.Popen(
         command,
         cwd=COPY,
-        env=environment() | more,
-        stdout=subprocess.DEVNULL,
+        env=environment(**more),
+        stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
+        text=True,
     )
     try:
-        return process.wait(limit) == 0
+        output, _ = process.communicate(timeout=None if limit == inf else limit)
     except subprocess.TimeoutExpired:
         # The processes of the tests belong to the session of the command.
         os.killpg(process.pid, signal.SIGKILL)
-        return False
+        process.communicate()
+        return None, ""
+    return process.returncode, output
 
 
-def pytest(*arguments: str, **more: Any) -> bool:
-    """Return whether Python tests of the copy pass."""
-    return passes([sys.executable, "-m", "pytest", "-q", "-x", *arguments], **more)
-
-
-def git(*arguments: str) -> str:
-    """Return the output of a git command in the copy."""
-    found = subprocess.run(
-        ["git", *arguments], cwd=COPY, check=True, capture_output=True, text=True
-    )
-    return found.stdout.strip()
-
-
-class Fates:
-    """The fates of mutants by their descriptions, kept in a file."""
-
-    def __init__(self, kind: str, state: str) -> None:
-        self._path = KEPT / f"{kind}-{state[:12]}.json"
-        known = self._path.exists()
-        self._caught: dict[str, bool] = (
-            json.loads(self._path.read_text(encoding="utf-8")) if known else {}
-        )
-
-    def get(self, mutant: str) -> bool | None:
-        """Return whether a mutant was caught; None if it is new."""
-        return self._caught.get(mutant)
-
-    def add(self, mutant: str, caught: bool) -> None:
-        """Keep the fate of a mutant."""
-        self._caught[mutant] = caught
-        self._path.write_text(json.dumps(self._caught, indent=1), encoding="utf-8")
-
-
-def cargo(*arguments: str, limit: float | None = None) -> bool:
-    """Return whether a cargo command succeeds in the copy; more parts compile faster."""
-    parts = "profile.release.package.gearbow.codegen-units=64"
-    return passes(["cargo", *arguments, "--release", "--locked", "--config", parts], limit)
-
-
-def build() -> bool:
-    """Compile the extension of the copy."""
-    if not cargo("build", "--lib", "--features", "python"):
-        return False
-    shutil.copy("target/release/libgearbow.so", COPY / "python/gearbow/_core.abi3.so")
-    return True
+def pytest(*arguments: str, **more: Any) -> tuple[int | None, str]:
+    """Run Python tests of the copy."""
+    common = ["-q", "--no-header", "--tb=no", "-rfE", "-p", "no:cacheprovider"]
+    return run([sys.executable, "-m", "pytest", *common, *arguments], **more)
 
 
 @dataclass(frozen=True)
 class PythonMutant:
-    """A changed module: its path, both texts, and the line of the change."""
+    """A changed module: its path, both texts, and the place of the innermost changed statement.
+
+    The place is the number of the statement in `ast.walk`, and its first and last line.
+    """
 
     path: Path
     source: str
     text: str
-    line: int
+    statement: int
+    lines: range
 
     @property
-    def difference(self) -> str:
-        """Lines that differ, with the path of the module in the repository."""
+    def name(self) -> str:
+        """Lines that differ, with the path of the module."""
         lines = self.source.splitlines(), self.text.splitlines()
-        name = str(self.path.relative_to(COPY))
-        return "\n".join(difflib.unified_diff(*lines, name, n=0))
+        return "\n".join(difflib.unified_diff(*lines, str(self.path), n=0))
 
 
 def draw_python(count: int, chance: random.Random, left_out: list[str]) -> list[PythonMutant]:
-    """Draw mutants that are Python and change what the program does."""
+    """Draw mutants in different statements that are Python and change what the program does."""
     modules = [
         path
-        for path in sorted((COPY / "python/gearbow").rglob("*.py"))
+        for path in sorted(Path("python/gearbow").rglob("*.py"))
         if not any(part in path.as_posix() for part in left_out)
     ]
     operators = [n for n in operator_names() if not any(word in n for word in CRUDE)]
@@ -196,17 +188,76 @@ def draw_python(count: int, chance: random.Random, left_out: list[str]) -> list[
         source = path.read_text(encoding="utf-8")
         operator = get_operator(chance.choice(operators))()
         nodes = ast_nodes(get_ast(source))
-        lines = [start[0] for node in nodes for start, _ in operator.mutation_positions(node)]
-        if not lines:
+        places = sum(1 for node in nodes for _ in operator.mutation_positions(node))
+        if not places:
             continue
-        occurrence = chance.randrange(len(lines))
-        text = mutate_code(source, operator, occurrence)
+        text = mutate_code(source, operator, chance.randrange(places))
+        # An operator may leave what is no Python, such as {-a} of {**a}.
         with contextlib.suppress(SyntaxError):
-            # An operator may leave what is no Python, such as {-a} of {**a}.
+            compile(text, path, "exec")
             if active_code(text) == active_code(source):
                 continue
-            drawn.append(PythonMutant(path, source, text, lines[occurrence]))
+            before, after = (statements(ast.parse(text)) for text in (source, text))
+            pairs = enumerate(zip(before, after, strict=True))
+            # Statements come before those that they contain.
+            changed = [i for i, (old, new) in pairs if ast.dump(old) != ast.dump(new)][-1]
+            first = before[changed]
+            begin = min(n.lineno for n in [first, *getattr(first, "decorator_list", [])])
+            lines = range(begin, (first.end_lineno or begin) + 1)
+            if not any(
+                other.path == path
+                and other.lines.start < lines.stop
+                and lines.start < other.lines.stop
+                for other in drawn
+            ):
+                drawn.append(PythonMutant(path, source, text, changed, lines))
     return drawn
+
+
+def statements(tree: ast.AST) -> list[ast.stmt]:
+    """Return the statements of a syntax tree, each before those that it contains."""
+    return [node for node in ast.walk(tree) if isinstance(node, ast.stmt)]
+
+
+def call_of_switch(mutant: str) -> ast.expr:
+    """Return the expression that says whether a mutant is switched on."""
+    text = f"__import__('mutant_switch').is_active({mutant!r})"
+    return ast.parse(text, mode="eval").body
+
+
+class Switches(ast.NodeTransformer):
+    """Replace each changed statement by an `if` with the mutant and the original."""
+
+    def __init__(self, changes: dict[ast.AST, tuple[str, ast.stmt]]) -> None:
+        self._changes = changes
+
+    def visit(self, node: ast.AST) -> ast.AST:
+        """Replace a node if it is a changed statement."""
+        known = self._changes.get(node)
+        if known is None:
+            return self.generic_visit(node)
+        mutant, new = known
+        assert isinstance(node, ast.stmt)
+        return ast.If(call_of_switch(mutant), [new], [node])
+
+
+def with_python_switches(mutants: dict[str, PythonMutant]) -> str:
+    """Return the text of a module with all its mutants, each behind its switch."""
+    tree = ast.parse(next(iter(mutants.values())).source)
+    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)]
+    inner = {part for function in functions for s in function.body for part in ast.walk(s)}
+    changes: dict[ast.AST, tuple[str, ast.stmt]] = {}
+    numbered = statements(tree)
+    for name, mutant in mutants.items():
+        old = numbered[mutant.statement]
+        changes[old] = name, statements(ast.parse(mutant.text))[mutant.statement]
+    for changed, (name, _) in changes.items():
+        if changed not in inner:
+            # It runs at the import: the tests that call a function of the module reach it.
+            for function in functions:
+                begin = 0 if ast.get_docstring(function, clean=False) is None else 1
+                function.body.insert(begin, ast.Expr(call_of_switch(name)))
+    return ast.unparse(ast.fix_missing_locations(Switches(changes).visit(tree))) + "\n"
 
 
 def active_code(source: str) -> str:
@@ -227,70 +278,6 @@ def is_silent(statement: ast.stmt) -> bool:
         return isinstance(statement.value, ast.Constant)
     names = statement.targets if isinstance(statement, ast.Assign) else []
     return any(isinstance(name, ast.Name) and name.id == "__all__" for name in names)
-
-
-#: Tests that execute each line of each module, and the duration of each test [s].
-Coverage = tuple[dict[str, dict[int, set[str]]], dict[str, float]]
-
-
-def covered() -> Coverage:
-    """Run each file of tests with coverage, unless its result is known."""
-    folder = KEPT / f"coverage-{git('rev-parse', '--short=12', 'HEAD:python/gearbow')}"
-    folder.mkdir(parents=True, exist_ok=True)
-    lines: dict[str, dict[int, set[str]]] = defaultdict(lambda: defaultdict(set))
-    durations: dict[str, float] = {}
-    for path in git("ls-files", "tests/python/*/test_*.py").splitlines():
-        name = f"{Path(path).stem}-{git('rev-parse', '--short=12', f'HEAD:{path}')}"
-        data, report = folder / f"{name}.coverage", folder / f"{name}.xml"
-        if not report.exists():
-            made = folder / f"{name}.made"
-            options = [
-                "--cov=gearbow",
-                "--cov-context=test",
-                "--cov-report=",
-                f"--junitxml={made.resolve()}",
-            ]
-            if not pytest(*options, path, limit=None, coverage=data):
-                raise SystemExit(f"{path} fails without any change: mend it first.")
-            made.replace(report)
-        for case in ET.parse(report).iter("testcase"):
-            # Names of classes of tests follow that of the module.
-            classes = case.get("classname", "").split(Path(path).stem, 1)[1].replace(".", "::")
-            durations[f"{path}{classes}::{case.get('name')}"] = float(case.get("time", 0.0))
-        if data.exists():
-            read = CoverageData(str(data))
-            read.read()
-            for module in read.measured_files():
-                for line, contexts in read.contexts_by_lineno(module).items():
-                    lines[module][line] |= {name.split("|")[0] for name in contexts if name}
-    return lines, durations
-
-
-def python_mutants(count: int, chance: random.Random, left_out: list[str]) -> list[str]:
-    """Return the differences of the Python mutants that no test catches."""
-    survivors: list[str] = []
-    if not count:
-        return survivors
-    fates = Fates("python", git("rev-parse", "HEAD"))
-    mutants = draw_python(count, chance, left_out)
-    lines, durations = covered()
-    for mutant in mutants:
-        caught = fates.get(mutant.difference)
-        if caught is None:
-            known = lines[str(mutant.path.resolve())]
-            # A line that runs at the import belongs to all tests of its module.
-            tests = known.get(mutant.line) or set().union(*known.values())
-            chosen, total = [], 0.0
-            for test in sorted(tests, key=lambda test: durations.get(test, inf)):
-                total += durations.get(test, inf)
-                if total < TEST_TIME:
-                    chosen.append(test)
-            mutant.path.write_text(mutant.text, encoding="utf-8")
-            caught = bool(chosen) and not pytest(*chosen)
-            mutant.path.write_text(mutant.source, encoding="utf-8")
-            fates.add(mutant.difference, caught)
-        survivors += report(caught, mutant.difference)
-    return survivors
 
 
 #: What replaces a Rust operator.
@@ -328,6 +315,8 @@ class RustMutant:
     operator: tuple[int, int]
     new: str
     name: str
+    #: First and last line of the expression, from 1 on.
+    lines: tuple[int, int]
 
     def texts(self, source: bytes) -> tuple[str, str]:
         """Return the expression of a file as it is, and as the mutant has it."""
@@ -350,11 +339,12 @@ def operators_of(file: str, source: bytes, node: Node) -> Iterator[RustMutant]:
     elif node.type == "unary_expression" and node.children[0].type in "-!":
         operator, changes = node.children[0], ("",)
     if b"//" not in source[begin:end]:
-        line, text = node.start_point[0] + 1, " ".join(source[begin:end].decode().split())
+        lines = node.start_point[0] + 1, node.end_point[0] + 1
+        text = " ".join(source[begin:end].decode().split())
         for new in changes:
-            name = f"{file}:{line}: {operator.type} becomes {new or 'nothing'} in {text}"
+            name = f"{file}:{lines[0]}: {operator.type} becomes {new or 'nothing'} in {text}"
             place = (operator.start_byte, operator.end_byte)
-            yield RustMutant(file, (begin, end), place, new, name)
+            yield RustMutant(file, (begin, end), place, new, name, lines)
     for child in node.children:
         yield from operators_of(file, source, child)
 
@@ -363,8 +353,8 @@ def draw_rust(count: int, chance: random.Random, left_out: list[str]) -> list[Ru
     """Draw mutants of the Rust core that do not overlap."""
     parser = Parser(Language(tree_sitter_rust.language()))
     mutants: list[RustMutant] = []
-    for path in sorted((COPY / "src").rglob("*.rs")):
-        file, source = str(path.relative_to(COPY)), path.read_bytes()
+    for path in sorted(Path("src").rglob("*.rs")):
+        file, source = path.as_posix(), path.read_bytes()
         if not any(part in file for part in [*left_out, "test"]):
             mutants += operators_of(file, source, parser.parse(source).root_node)
     chance.shuffle(mutants)
@@ -379,118 +369,273 @@ def draw_rust(count: int, chance: random.Random, left_out: list[str]) -> list[Ru
     return drawn
 
 
-def write_rust(mutants: dict[int, RustMutant]) -> None:
-    """Write all mutants into the sources of the copy, each behind its number."""
-    subprocess.run(["git", "checkout", "--quiet", "src"], cwd=COPY, check=True)
-    library = COPY / "src/lib.rs"
-    library.write_text(library.read_text(encoding="utf-8") + SWITCH, encoding="utf-8")
-    for number, mutant in sorted(mutants.items(), key=lambda item: -item[1].expression[0]):
-        path = COPY / mutant.file
-        source, (begin, end) = path.read_bytes(), mutant.expression
+def with_rust_switches(file: str, mutants: dict[str, RustMutant]) -> bytes:
+    """Return the text of a file of the Rust core with all its mutants, each behind its switch."""
+    text = source = Path(file).read_bytes()
+    for name, mutant in sorted(mutants.items(), key=lambda item: -item[1].expression[0]):
+        begin, end = mutant.expression
         keep, change = mutant.texts(source)
-        text = f"(if crate::is_active({number}) {{ {change} }} else {{ {keep} }})"
-        path.write_bytes(source[:begin] + text.encode() + source[end:])
+        number = name.split()[1]
+        switched = f"(if crate::is_active({number}) {{ {change} }} else {{ {keep} }})"
+        text = text[:begin] + switched.encode() + text[end:]
+    return text
 
 
-def compile_rust(mutants: list[RustMutant]) -> dict[int, RustMutant]:
-    """Compile a program with all mutants, and return those that compile, by number."""
-    kept = dict(enumerate(mutants, start=1))
-    while True:
-        write_rust(kept)
-        check = subprocess.run(
-            [
-                "cargo",
-                "check",
-                "--release",
-                "--locked",
-                "--message-format=json",
-                "--features",
-                "python",
-            ],
-            check=False,
-            cwd=COPY,
-            env=environment(),
-            capture_output=True,
+Mutant = PythonMutant | RustMutant
+
+
+def write_copy(mutants: dict[str, Mutant]) -> None:
+    """Copy the files of the working tree, with the mutants; what is unchanged keeps its time."""
+    changed: dict[str, bytes] = {}
+    of_file: dict[str, dict[str, Any]] = defaultdict(dict)
+    for name, mutant in mutants.items():
+        of_file[mutant.file if isinstance(mutant, RustMutant) else str(mutant.path)][name] = mutant
+    for file, here in of_file.items():
+        is_rust = file.endswith(".rs")
+        changed[file] = (
+            with_rust_switches(file, here) if is_rust else with_python_switches(here).encode()
         )
-        if check.returncode == 0:
-            return kept
-        places = set()
-        for line in check.stdout.splitlines():
+    count = 1 + max((int(n.split()[1]) for n in mutants if n.startswith("rust")), default=0)
+    library, module = Path("src/lib.rs"), Path("src/python/mod.rs")
+    switch = SWITCH.replace("COUNT", str(count)).encode()
+    changed[str(library)] = changed.get(str(library), library.read_bytes()) + switch
+    text = changed.get(str(module), module.read_bytes())
+    changed[str(module)] = text.replace(b"mod _core {\n", FORGET.encode(), 1)
+    listed = subprocess.run(["git", "ls-files", "-z"], check=True, capture_output=True, text=True)
+    files = {file for file in listed.stdout.split("\0") if file and Path(file).exists()}
+    for old in COPY.rglob("*"):
+        if old.suffix in (".py", ".rs", ".md") and str(old.relative_to(COPY)) not in files:
+            old.unlink()
+    for file in files:
+        path = COPY / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if Path(file).is_symlink():
+            if not path.is_symlink():
+                path.symlink_to(Path(file).readlink())
+            continue
+        content = changed.get(file, Path(file).read_bytes())
+        if not path.exists() or path.read_bytes() != content:
+            path.write_bytes(content)
+
+
+def build(mutants: dict[str, Mutant]) -> dict[str, Mutant]:
+    """Compile the extension module of the copy, and return the mutants that compile."""
+    options = ["--locked", "--profile", "quick", "--features", "python", "--lib"]
+    while True:
+        write_copy(mutants)
+        code, output = run(
+            ["cargo", "rustc", "--message-format=json", *options, "--crate-type", "cdylib"]
+        )
+        if code == 0:
+            library = Path(environment()["CARGO_TARGET_DIR"]) / "quick/libgearbow.so"
+            shutil.copy(library, COPY / "python/gearbow/_core.abi3.so")
+            return mutants
+        spans, messages = [], []
+        for line in output.splitlines():
             message = json.loads(line).get("message") or {}
             if message.get("level") == "error":
-                places |= {
-                    (span["file_name"], line_number)
-                    for span in message["spans"]
-                    for line_number in range(span["line_start"], span["line_end"] + 1)
-                }
+                spans += message["spans"]
+                messages.append(message["rendered"])
         # The changed texts have no line breaks, so that lines keep their numbers.
-        wrong = []
-        for number, mutant in kept.items():
-            source = subprocess.run(
-                ["git", "show", f"HEAD:{mutant.file}"], cwd=COPY, capture_output=True, check=True
-            ).stdout
-            begin, end = mutant.expression
-            first, last = (source[:place].count(b"\n") + 1 for place in (begin, end))
-            if any((mutant.file, line) in places for line in range(first, last + 1)):
-                wrong.append(number)
+        wrong = [
+            name
+            for name, mutant in mutants.items()
+            if isinstance(mutant, RustMutant)
+            and any(
+                span["file_name"] == mutant.file
+                and span["line_start"] <= mutant.lines[1]
+                and mutant.lines[0] <= span["line_end"]
+                for span in spans
+            )
+        ]
         if not wrong:
-            raise SystemExit(check.stderr.decode())
-        for number in wrong:
-            del kept[number]
+            raise SystemExit("\n".join(messages) or "The extension module does not compile.")
+        mutants = {name: mutant for name, mutant in mutants.items() if name not in wrong}
 
 
-def rust_mutants(count: int, chance: random.Random, left_out: list[str]) -> list[str]:
-    """Return the descriptions of the Rust mutants that no test catches."""
-    survivors: list[str] = []
-    if not count:
-        return survivors
-    kept = compile_rust(draw_rust(ceil(SPARE * count), chance, left_out))
-    if not (cargo("test", "--no-run") and build() and cargo("test")):
-        raise SystemExit("The program fails without any change: mend it first.")
-    fates = Fates("rust", git("rev-parse", "HEAD"))
-    for number in sorted(kept)[:count]:
-        mutant = kept[number]
-        caught = fates.get(mutant.name)
-        if caught is None:
-            named = (p for f, p in TESTS_OF.items() if mutant.file.startswith(f"src/{f}"))
-            os.environ["GEARBOW_MUTANT"] = str(number)
-            caught = not pytest("tests/python", "-k", next(named, ""))
-            caught = caught or not cargo("test", limit=TIME_LIMIT)
-            del os.environ["GEARBOW_MUTANT"]
-            fates.add(mutant.name, caught)
-        survivors += report(caught, mutant.name)
-    return survivors
+@dataclass
+class Record:
+    """What the first cases of the tests told."""
+
+    #: Duration of each phase of a test that passes [s].
+    durations: dict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
+    #: Tests that reach a mutant.
+    reaching: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
+    #: Number of cases of a test that has several.
+    cases: dict[str, int] = field(default_factory=dict)
+
+    def duration(self, test: str) -> float:
+        """Return the duration of all cases of a test [s]."""
+        return self.durations[test]["call"] * self.cases.get(test, 1)
+
+    def chosen(self, mutant: str) -> tuple[list[str], float]:
+        """Return tests for a mutant in the order of their run, and the sum of their durations [s].
+
+        The shortest test of each file comes first, then others, until the sum is `TEST_TIME`. A
+        test runs with all its cases.
+        """
+        fixtures: dict[str, float] = defaultdict(float)
+        for test, phases in self.durations.items():
+            fixtures[file_of(test)] = max(fixtures[file_of(test)], phases["setup"])
+        of_file: dict[str, list[str]] = defaultdict(list)
+        for test in sorted(self.reaching[mutant], key=self.duration):
+            of_file[file_of(test)].append(test)
+        ranked = [
+            (rank, self.duration(test), test)
+            for tests in of_file.values()
+            for rank, test in enumerate(tests)
+        ]
+        first: list[str] = []
+        later: list[str] = []
+        total = 0.0
+        for rank, duration, test in sorted(ranked):
+            added = duration + (0.0 if rank else fixtures[file_of(test)])
+            if total + added < TEST_TIME:
+                total += added
+                (later if rank else first).append(test.split("[", maxsplit=1)[0])
+        return first + sorted(later, key=file_of), total
 
 
-def report(caught: bool, difference: str) -> list[str]:
-    """Print the fate of a mutant, and return its difference if no test catches it."""
-    print("caught" if caught else "MISSED", difference, sep="\n", flush=True)
-    return [] if caught else [difference]
+def file_of(test: str) -> str:
+    """Return the file of a test."""
+    return test.split("::", maxsplit=1)[0]
+
+
+def run_tests(folder: Path, jobs: int) -> None:
+    """Run the tests that no earlier call recorded, and write a record."""
+    number = len(list(folder.glob("*.jsonl")))
+    options = ["-n", str(jobs), "--dist", "worksteal"] if jobs > 1 else []
+    more = {
+        "GEARBOW_RECORD": str((folder / f"{number}.jsonl").resolve()),
+        "GEARBOW_TEST_LIMIT": str(LONGEST),
+    }
+    # gearbow may import the plugin before pytest does.
+    plugin = ["-p", "mutant_switch", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    _, output = pytest(*plugin, *options, *TESTS, **more)
+    (folder / "record.txt").write_text(output, encoding="utf-8")
+    if number == 0 and "passed" not in output:
+        raise SystemExit(f"No test passes without a mutant:\n{output}")
+
+
+def read_records(folder: Path) -> Record:
+    """Read the records of all calls."""
+    record = Record()
+    outcomes: dict[str, set[str]] = defaultdict(set)
+    reached: list[dict[str, str]] = []
+    for path in folder.glob("*.jsonl"):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            entry = json.loads(line)
+            if "mutant" in entry:
+                reached.append(entry)
+            elif "cases" in entry:
+                record.cases[entry["test"]] = entry["cases"]
+            else:
+                record.durations[entry["test"]][entry["when"]] = entry["duration"]
+                outcomes[entry["test"]].add(entry["outcome"])
+    for test, seen in outcomes.items():
+        # Setup, call and teardown
+        if seen != {"passed"} or len(record.durations[test]) < 3:
+            del record.durations[test]
+    of_file: dict[str, list[str]] = defaultdict(list)
+    for test in record.durations:
+        of_file[file_of(test)].append(test)
+    for entry in reached:
+        # A fixture may serve all tests of its file.
+        tests = of_file[file_of(entry["test"])] if entry["when"] == "setup" else [entry["test"]]
+        known = (test for test in tests if test in record.durations)
+        record.reaching[entry["mutant"]].update(known)
+    return record
+
+
+def noticed_by(name: str, record: Record) -> str:
+    """Return the first Python test that fails with a mutant; an empty text if none does."""
+    tests, total = record.chosen(name)
+    if not tests:
+        return ""
+    code, output = pytest("-x", *tests, limit=START_TIME + TIME_FACTOR * total, GEARBOW_MUTANT=name)
+    if code == 0:
+        return ""
+    failed = [line for line in output.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return "time limit" if code is None else failed[0] if failed else f"exit code {code}"
+
+
+def rust_tests_notice(name: str) -> str:
+    """Return a text that is not empty if the Rust tests of the copy fail with a mutant."""
+    command = ["cargo", "test", "--locked", "--profile", "quick"]
+    if run([*command, "--no-run"])[0] != 0:
+        raise SystemExit("The Rust tests do not compile.")
+    code, output = run(command, limit=RUST_TIME, GEARBOW_MUTANT=name)
+    failed = [line for line in output.splitlines() if line.endswith("FAILED")]
+    return "" if code == 0 else failed[0] if failed else "Rust tests"
+
+
+def report(mutants: dict[str, Mutant], results: dict[str, str], reached: dict[str, int]) -> str:
+    """Return the shares of noticed mutants, and those that no test noticed."""
+    lines = []
+    for language in ("python", "rust"):
+        names = [name for name in results if name.startswith(language)]
+        missed = [name for name in names if not results[name]]
+        if names:
+            share = 1.0 - len(missed) / len(names)
+            deviation = sqrt(share * (1.0 - share) / len(names))
+            lines.append(
+                f"{language}: {len(names) - len(missed)} of {len(names)} mutants noticed: "
+                f"{share:.0%} ± {deviation:.0%}"
+            )
+        for name in missed:
+            lines.append(f"MISSED, reached by {reached[name]} tests:\n{mutants[name].name}\n")
+    return "\n".join(lines)
 
 
 def main() -> None:
-    """Make the copy, examine the mutants, and print the share that the tests catch."""
+    """Make the copy, run the tests of the mutants, and print the share that they notice."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--python", type=int, default=150, help="number of Python mutants")
+    parser.add_argument("--python", type=int, default=60, help="number of Python mutants")
     parser.add_argument("--rust", type=int, default=60, help="number of Rust mutants")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("--left-out", nargs="*", default=[], help="parts of names of files")
+    parser.add_argument("--no-rust-tests", action="store_true", help="run Python tests only")
     given = parser.parse_args()
-    KEPT.mkdir(parents=True, exist_ok=True)
-    head = subprocess.run(["git", "rev-parse", "HEAD"], check=True, capture_output=True, text=True)
-    if not COPY.exists() or git("rev-parse", "HEAD") != head.stdout.strip():
-        shutil.rmtree(COPY, ignore_errors=True)
-        subprocess.run(["git", "clone", "--quiet", ".", str(COPY)], check=True)
-    git("checkout", "--quiet", ".")
-    if not build():
-        raise SystemExit("The extension does not compile.")
-    missed = python_mutants(given.python, random.Random(given.seed), given.left_out)
-    missed += rust_mutants(given.rust, random.Random(given.seed), given.left_out)
-    count = given.python + given.rust
-    share = 1.0 - len(missed) / count
-    deviation = sqrt(share * (1.0 - share) / count)
-    (KEPT / "missed.diff").write_text("\n\n".join(missed), encoding="utf-8")
-    print(f"caught {count - len(missed)} of {count} mutants: {share:.0%} ± {deviation:.0%}")
+    drawn: dict[str, Mutant] = {}
+    python = draw_python(given.python, random.Random(given.seed), given.left_out)
+    rust = draw_rust(ceil(SPARE * given.rust), random.Random(given.seed), given.left_out)
+    drawn |= {f"python {number}": mutant for number, mutant in enumerate(python)}
+    drawn |= {f"rust {number}": mutant for number, mutant in enumerate(rust)}
+    names = "\n".join(mutant.name for mutant in drawn.values())
+    folder = KEPT / hashlib.sha256(names.encode()).hexdigest()[:12]
+    folder.mkdir(parents=True, exist_ok=True)
+    compiled, kept = folder / "compiled.json", folder / "noticed.json"
+    if compiled.exists():
+        drawn = {name: drawn[name] for name in json.loads(compiled.read_text(encoding="utf-8"))}
+    mutants = build(drawn)
+    compiled.write_text(json.dumps(list(mutants)), encoding="utf-8")
+    wanted = [name for name in mutants if name.startswith("python")]
+    wanted += [name for name in mutants if name.startswith("rust")][: given.rust]
+    run_tests(folder, given.jobs)
+    record = read_records(folder)
+    noticed: dict[str, str] = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
+    results = dict(noticed)
+
+    def keep(name: str, test: str) -> None:
+        results[name] = test
+        print(f"{name}: {test or 'MISSED'}\n{mutants[name].name}", flush=True)
+        found = {name: test for name, test in results.items() if test}
+        kept.write_text(json.dumps(found, indent=1), encoding="utf-8")
+
+    waiting = [name for name in wanted if name not in noticed]
+    with ThreadPoolExecutor(given.jobs) as pool:
+        for name, test in zip(
+            waiting, pool.map(lambda name: noticed_by(name, record), waiting), strict=True
+        ):
+            keep(name, test)
+    if not given.no_rust_tests:
+        for name in [name for name in waiting if name.startswith("rust") and not results[name]]:
+            keep(name, rust_tests_notice(name))
+    reached = {name: len(record.reaching[name]) for name in wanted}
+    text = report(mutants, results, reached)
+    (folder / "report.txt").write_text(text + "\n", encoding="utf-8")
+    print(text)
 
 
 if __name__ == "__main__":

@@ -159,6 +159,14 @@ def test_218_bearing_carries_a_thrust_in_a_system():
     assert static.axial(("rotor", 0.05)) == pytest.approx(alone, rel=1e-9)
 
 
+def test_the_cage_turns_with_the_mean_of_the_races():
+    # An element rolls on both races, whose radii are D/2 ∓ d/2 cos α, and the outer race stands.
+    for bearing in (B218, TAPERED, DEEP_GROOVE):
+        half = 0.5 * bearing.element_diameter * math.cos(bearing.contact_angle)
+        inner_race = 0.5 * bearing.pitch_diameter - half
+        assert bearing.cage_order == pytest.approx(inner_race / bearing.pitch_diameter, rel=1e-14)
+
+
 @pytest.mark.parametrize("bearing", [B218, TAPERED, DEEP_GROOVE], ids=["ball", "roller", "groove"])
 @pytest.mark.parametrize("sense", [1, -1])
 def test_static_forces_are_those_of_the_average_over_the_cage(bearing, sense):

@@ -251,6 +251,11 @@ class TestOrders:
             at = own[0][:, 1] / (2 * np.pi)
             assert hidden[np.abs(at - 20.0) < 0.5].all() == (ratio == 1.0)
             assert hidden.any() == (ratio == 1.0)
+        # An order that leaves the panel at the right has its name inside, on its line.
+        inside = gb.waterfall(runs, "g1", "z").plot(30.0).axes[0]
+        (name,) = [text for text in inside.texts if text.get_text() == "1× input"]
+        assert 0.0 < name.xy[0] < 30.0
+        assert name.xy[1] == pytest.approx(2 * np.pi * name.xy[0])
 
 
 class TestSpeed:

@@ -203,3 +203,17 @@ def test_round_off_is_no_line_of_a_campbell_diagram():
     lower = diagram.plot().axes[1]
     # Undamped modes have ratios of about 1e-17.
     assert lower.get_ylim()[1] >= 1e-3
+
+
+def test_the_figure_of_a_film_has_the_journal_where_the_film_is_thinnest():
+    bearing = gb.JournalBearing("s", 0.0, diameter=0.1, length=0.05, clearance=1e-4, viscosity=0.02)
+    found = bearing.coefficients(load=5000.0, speed=300.0)
+    across = found.plot().axes[0]
+    (line,) = [line for line in across.get_lines() if line.get_label() == "journal centre"]
+    (place,) = np.asarray(line.get_xdata()) + 1j * np.asarray(line.get_ydata())
+    assert abs(place) == pytest.approx(found.eccentricity_ratio, rel=1e-9)
+    (pad,) = found.pads
+    thinnest = np.exp(1j * pad.angles[np.argmin(pad.thickness)])
+    # The load is a weight. The film has a value every few degrees.
+    assert place.imag < 0.0
+    assert abs(np.angle(place / thinnest)) < 0.1

@@ -335,6 +335,10 @@ def test_measured_runout(tmp_path: Path):
     assert bow.phases == pytest.approx((0.0, np.pi / 2, 0.0), rel=1e-15)
     path.write_text("position,amplitude\n0,0\n0.25,1e-4\n0.5,0\n")
     assert gb.Bow.read_table(path) == gb.Bow.points([0.0, 0.25, 0.5], [0.0, 1e-4, 0.0])
+    # A line with another number of cells than that of the headings may have lost one.
+    path.write_text("position,amplitude,,\n0,0,,\n0.25,1e-4,\n0.5,0,,\n")
+    with pytest.raises(gb.SceneError, match="line 3: must have 2 numbers, as the headings, got 3"):
+        gb.Bow.read_table(path)
     path.write_text("position,phase\n0,0\n0.25,1\n")
     with pytest.raises(gb.SceneError, match='needs the column "position" and one of "amplitude"'):
         gb.Bow.read_table(path)

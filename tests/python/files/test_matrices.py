@@ -69,7 +69,7 @@ def write_files(folder: Path) -> dict[str, tuple[Path, Path]]:
     both("two arrays", ".npz", lambda path: np.savez(path, M=MASS, K=STIFFNESS, nodes=[1, 2, 3]))
     named = {"M": sparse.csc_matrix(MASS), "K": sparse.csc_matrix(STIFFNESS)}
     both("sparse matlab", ".mat", lambda path: scipy_io.savemat(path, named, do_compression=True))
-    dense = {"mass": MASS, "stiffness": STIFFNESS, "title": "chain"}
+    dense = {"mass": MASS, "title": "chain", "stiffness": STIFFNESS}
     both("matlab", ".mat", lambda path: scipy_io.savemat(path, dense))
     lines = ["$ punch", *dmig("KAAX", STIFFNESS), *dmig("MAAX", MASS), "ENDDATA"]
     both("nastran", ".pch", lambda path: path.write_text("\n".join(lines)))

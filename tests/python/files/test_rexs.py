@@ -386,6 +386,8 @@ def test_the_coordinate_of_a_gear_may_be_its_begin(write):
     plain = model()
     put(plain, "pinion 1", "u_coordinate_on_shaft", 64)  # face width 32 mm
     assert description(write(plain)) == description(FILE)
+    _, contents = read_rexs(write(plain), 1, OTHER)
+    assert not any("support_vector" in note for note in contents.notes)
     put(plain, "pinion 1", "u_coordinate_on_shaft", 70)
     found, contents = read_rexs(write(plain), 1, OTHER)
     assert found["gears"][0]["position"] == pytest.approx(0.08, rel=1e-15)

@@ -175,6 +175,10 @@ def test_an_unknown_bearing_stiffness_is_found():
     soft = gb.unknown.parameter("bearings[*].stiffness", prior=(6e7, 0.5))
     found = gb.identify(unbent(bent_pair()), measured, [*WANTED, soft], runout=False, noise=MICRON)
     assert found.units[-1] == "N/m"
+    # Parameters keep their sign, as of a cross-coupled stiffness; phasors have an amplitude.
+    for sign in (1.0, -1.0):
+        sizes = replace(found, values=sign * found.values).to_dataframe()["size"].to_numpy()
+        assert sizes == pytest.approx([*np.abs(found.values[:-1]), sign * found.values[-1].real])
     lower, upper = found.intervals[-1]
     assert lower < 4e7 < upper
     assert upper - lower < 1e7

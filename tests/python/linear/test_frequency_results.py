@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -64,7 +65,14 @@ def test_files_keep_the_values(response, tmp_path):
     column = head.split(",").index("g5 y im [m]")
     found = [float(line.split(",")[column]) for line in lines[1::2]]
     assert found == pytest.approx(response.displacement("g5")[:, 1, 0].imag)
-    assert "g4 amplitude" in response.table(3)
+    head, first = response.table(1).splitlines()[:2]
+    names = re.findall(r"(\S+) amplitude \[m\]", head)
+    assert "g4" in names
+    for name, text in zip(names, first.split()[-len(names) :], strict=True):
+        shaft, is_position, x = name.partition("@")
+        at = (shaft, float(x)) if is_position else name
+        parts = [*response.displacement(at)[0, 0], response.axial_displacement(at)[0, 0]]
+        assert float(text) == pytest.approx(np.linalg.norm(parts), rel=1e-3)  # four digits
     with pytest.raises(gb.SceneError, match="path: must end with"):
         response.save(tmp_path / "frf.txt")
 
@@ -136,6 +144,89 @@ def test_directions_of_universal_files_have_numbers_and_signs(response, tmp_path
             np.testing.assert_allclose(curve.values, moved[:, 0, 0], rtol=1e-6, atol=atol)
 
 
+#: Data set 58 of the definitions of SDRC, records 6 to 11: nodes and directions of response and
+#: reference, displacement in m, and in N or N m what it is divided by. Directions are 1, 2, 3 for
+#: translations along x, y, z and 4, 5, 6 for rotations about them, negative for the opposite sense.
+RECORDS = """\
+    4         0    0         0 NONE      {response[0]:10d}{response[1]:4d} NONE      {reference[0]:10d}{reference[1]:4d}
+         6{count:10d}         0  0.00000E+00  0.00000E+00  0.00000E+00
+        18    0    0    0 NONE                 Hz
+         8    0    0    0 NONE                 {unit}
+        13    0    0    0 NONE                 {divisor}
+         0    0    0    0 NONE                 NONE
+"""
+
+
+def measured_function(response, reference, values):
+    """Give a data set 58 of another program; (node, direction) of response and reference."""
+    unit, divisor = "rad" if abs(response[1]) > 3 else "m", "N m" if abs(reference[1]) > 3 else "N"
+    records = RECORDS.format(
+        response=response, reference=reference, count=len(values), unit=unit, divisor=divisor
+    )
+    rows = [
+        f"{x:13.7f}{value.real:20.12E}{value.imag:20.12E}"
+        for x, value in zip(FREQUENCIES[:3] / (2.0 * np.pi), values, strict=True)
+    ]
+    mark = "    -1\n"
+    return mark + "    58\n" + 5 * "NONE\n" + records + "\n".join(rows) + "\n" + mark
+
+
+def test_negative_directions_of_measured_functions_are_the_opposite_senses(tmp_path):
+    # A sensor along −z measures −z; a hammer that strikes along −y pushes along −y.
+    system = hostile()
+    at = {1: "g4", 2: BETWEEN}
+    along = {
+        1: gb.Force(at[2], axial=1.0),
+        2: gb.Force(at[2], 1.0),
+        3: gb.Force(at[2], 1.0j),
+        4: gb.Torque(at[2], 1.0),
+    }
+    found = system.frequency_response(FREQUENCIES[:3], source=list(along.values()), speed=-70.0)
+    moved = found.displacement(at[1])
+    receptance = {
+        1: found.axial_displacement(at[1]),
+        2: moved[..., 0],
+        3: moved[..., 1],
+        4: found.twist(at[1]),
+    }
+    cases = [
+        (ahead * i, back * j, ahead * back * receptance[i][:, j - 1])
+        for i in along
+        for j in along
+        for ahead in (1, -1)
+        for back in (1, -1)
+    ]
+    path = tmp_path / "measured.uff"
+    texts = [measured_function((1, i), (2, j), values) for i, j, values in cases]
+    path.write_text("".join(texts), encoding="utf-8")
+    compared = found.compare(path, places=at)
+    for (i, j, _), measured, computed in zip(
+        cases, compared.measured, compared.computed, strict=True
+    ):
+        sense = np.sign(j)
+        expected = sense * receptance[abs(i)][:, abs(j) - 1]
+        source = along[abs(j)]
+        if abs(j) == 4:
+            assert measured.source == gb.Torque(at[2], sense)
+        else:
+            assert measured.source == gb.Force(
+                at[2], sense * source.value, axial=sense * source.axial
+            )
+        assert measured.direction == ("x", "y", "z", "twist")[abs(i) - 1]
+        # 12 digits, and frequencies of 7 digits after the point
+        np.testing.assert_allclose(measured.values, expected, rtol=1e-9)
+        np.testing.assert_allclose(computed, expected, rtol=1e-6)
+    # no source turns a shaft about y, and no response is an angle about z
+    for reference in (5, -5, 6, -6):
+        path.write_text(measured_function((1, 2), (2, reference), moved[:, 0, 0]), encoding="utf-8")
+        with pytest.raises(gb.SceneError, match=rf"no source in the direction {reference}"):
+            found.compare(path, places=at)
+    for response in (5, -5, 6, -6):
+        path.write_text(measured_function((1, response), (2, 2), moved[:, 0, 0]), encoding="utf-8")
+        with pytest.raises(gb.SceneError, match="no frequency response function of a motion"):
+            found.compare(path, places=at)
+
+
 def test_a_universal_file_has_the_function_of_one_newton_along_each_force(tmp_path):
     pyuff = pytest.importorskip("pyuff")
     # direction and size of the reference; an oblique force has no direction
@@ -157,7 +248,7 @@ def test_a_universal_file_has_the_function_of_one_newton_along_each_force(tmp_pa
                 for each in sets
                 if (each["ref_node"], each["rsp_dir"]) == (source + 1, axis + 2)
             ]
-            assert own["ref_dir"] == direction
+            assert (own["rsp_node"], own["ref_dir"]) == (1, direction)
             expected = moved[:, source, axis] / size
             # the file has 7 digits
             atol = 1e-6 * np.abs(expected).max()

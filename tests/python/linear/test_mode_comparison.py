@@ -76,6 +76,8 @@ def test_every_shape_that_pyuff_reads_is_that_of_the_mode(tmp_path: Path):
     modes.save(tmp_path / "modes.uff")
     nodes, *sets = pyuff.UFF(str(tmp_path / "modes.uff")).read_sets()
     assert [each["mode_n"] for each in sets] == list(range(1, 9))
+    named = [float(each["id2"].removesuffix(" Hz")) for each in sets]
+    assert named == pytest.approx(modes.frequencies_hz, rel=1e-8)
     places = list(dict.fromkeys((shaft, x) for shaft, x, kind in system.dofs if kind == "v"))
     assert len(nodes["x"]) == len(places)
     along = modes.shapes[:, [system.dofs.index((*place, "u")) for place in places]]

@@ -262,7 +262,12 @@ def test_the_table_and_the_figure_name_parameters_and_units():
     table = found.table()
     assert "derivatives of natural frequencies at 900 rpm" in table
     assert "shafts['input'].outer_diameter" in table
-    assert len(found.to_dataframe()) == 6
+    frame = found.to_dataframe()
+    assert len(frame) == 6
+    per_unit = found.damping_ratios * np.array(found.parameter_values)[:, np.newaxis]
+    assert frame["damping ratio for 1 %"].to_numpy() == pytest.approx(
+        0.01 * per_unit.T.ravel(), nan_ok=True
+    )
     panels = found.plot().axes
     assert [panel.get_title() for panel in panels] == ["mode 2 (coupled)", "mode 3 (forward)"]
     assert panels[0].get_yticklabels()[-1].get_text() == "shafts['input'].outer_diameter"

@@ -239,6 +239,10 @@ def test_phases_of_the_planets_cancel_forces_or_torques(
             {"sun_mesh": gb.Mesh("planet", "sun", stiffness=MESH)},
             r"planetary_stages\[0\]: the power flows from the sun",
         ),
+        (
+            {"ring_mesh": gb.Mesh("ring", "planet", stiffness=MESH)},
+            r"planetary_stages\[0\]: the power flows from the sun",
+        ),
     ],
 )
 def test_impossible_stages_are_errors(changes: dict[str, Any], message: str):

@@ -58,9 +58,22 @@ def test_static_equilibrium_on_either_flank(torque: float, coupled: bool):
         assert mesh.deflection == pytest.approx(torque / LAW.base_radius_a / K + lost, rel=1e-9)
     # a run stays at this equilibrium, rotating or not; at rest the drive flank is in contact
     for speed, force in ((0.0, abs(torque)), (300.0, torque)):
-        still = system.simulate(2e-3, speed, initial="static").mesh(MESH)
-        assert still.force == pytest.approx(force / LAW.base_radius_a, rel=1e-7)
-        assert not system.simulate(2e-3, speed, initial="static").events
+        still = system.simulate(2e-3, speed, initial="static")
+        assert still.mesh(MESH).force == pytest.approx(force / LAW.base_radius_a, rel=1e-7)
+        assert not still.events
+        shares = still.contact_shares(MESH)
+        assert (shares.drive, shares.back) == ((1.0, 0.0) if force > 0.0 else (0.0, 1.0))
+
+
+def test_steps_converge_on_the_back_flanks_as_on_the_drive_flanks():
+    # Newton's method of a step needs the damping of the flank that presses, about four evaluations.
+    mesh = {"stiffness": K, "backlash": BACKLASH, "damping": 1e4}
+    counts = []
+    for torque in (TORQUE, -TORQUE):
+        run = Toothed(mesh=mesh, torque=torque).package().simulate(2e-3, 300.0, initial="rest")
+        counts.append(run.statistics.evaluations / run.statistics.steps)
+    drive, back = counts
+    assert back == pytest.approx(drive, rel=0.1)
 
 
 @pytest.mark.parametrize("method", ["rk4", "rk45"])

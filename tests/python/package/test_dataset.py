@@ -165,7 +165,7 @@ def test_the_card_names_what_was_simulated(tmp_path):
         "| bow | m | 5e-05, 0.0001 |",
         "| torque | N m | 100, 200 |",
         "standard deviation 1e-06 m",
-        "RotorSystem(2 shafts, 2 gears",
+        "RotorSystem(2 shafts, 2 gears, 1 mesh, ",
         "| `run` | `run` | Run at 200 rad/s. |",
         f"gearbow {gb.__version__}, NumPy {np.__version__}",
         "computed, not measured",

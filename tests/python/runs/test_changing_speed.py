@@ -283,6 +283,14 @@ class TestProfiles:
             error = np.abs(run.displacement("wheel") - expected).max()
             assert error < 1e-7 * np.abs(expected).max()
 
+    def test_a_table_that_ends_before_the_run_is_a_warning_except_for_round_off(self):
+        system, options = rotor(), {"record": ["wheel"], "output_step": 1e-3}
+        end = (0.1 + 0.2) / 100.0
+        assert end > 0.003
+        system.simulate(end, ([0.0, 0.003], [20.0, 21.0]), **options)
+        with pytest.warns(gb.SceneWarning, match=r"the last time is 0\.002 s, .* stays 21 rad/s"):
+            system.simulate(end, ([0.0, 0.002], [20.0, 21.0]), **options)
+
     def test_a_response_contains_its_speed(self, tmp_path):
         system, run = rotor(), profile()
         found = system.simulate(0.1, run, output_step=0.01, record=["wheel"])

@@ -334,6 +334,9 @@ class TestEstimate:
             with terminal() as text:
                 call(progress=False)
             assert text.getvalue() == ""
+            with redirect_stderr(io.StringIO()) as text:  # a file
+                call()
+            assert text.getvalue() == ""
             with terminal() as text:
                 call()
             shown = text.getvalue()

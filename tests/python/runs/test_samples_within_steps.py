@@ -47,6 +47,19 @@ def test_a_sample_does_not_depend_on_the_others():
     )
 
 
+def test_the_energies_of_any_number_of_samples_are_complete():
+    # The energies of the shafts are computed for eight samples together.
+    system, options = train(500.0, None), {"rtol": 1e-6, "record": ["energy"]}
+    times = np.linspace(0.0, 1e-3, 18)[1:]
+    every = system.simulate(1e-3, 150.0, **options, times=times).energy_balance()
+    assert every.kinetic.min() > 0.0
+    for count in (1, 7, 8, 9, 16, 17):
+        some = system.simulate(1e-3, 150.0, **options, times=times[:count]).energy_balance()
+        for name in ("kinetic", "shafts"):
+            found, expected = getattr(some, name), getattr(every, name)[:count]
+            np.testing.assert_allclose(found, expected, rtol=1e-9, err_msg=f"{count} {name}")
+
+
 def test_energy_between_steps_balances():
     """Works at instants within a step follow from the powers of the whole step."""
     system = train(500.0, None)

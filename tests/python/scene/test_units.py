@@ -125,6 +125,7 @@ def test_a_wrong_unit_of_the_workshop_names_the_remedy(text: str, path: str, mes
         ("1_0 mm", "must be a number with a decimal point"),
         ("٣ m", "must be a number"),
         ("3 inch", "'inch' is not a known unit; known are m,"),
+        ("3 inch", "%, deg, rev, rpm, "),
         ("long", "must be a number [m] or a text with a number and a unit"),
         ("", "must be a number [m] or a text"),
         ("3 m^2", "must have a unit that converts to m"),
