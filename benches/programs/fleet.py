@@ -355,7 +355,9 @@ def forces(machine: Machine) -> Forces:
             if found[k, i].any():
                 given[k, i] = dynamic @ found[k, i] - omega**2 * unbalances[i]
     rates = np.array(system.speed_ratios)[:, None]
-    slope = (given[1] - given[0]) / (1j * rates * (speeds[1] - speeds[0]))
+    step = 1j * rates * (speeds[1] - speeds[0])
+    # A shaft that stands still has no force of its rotation.
+    slope = np.divide(given[1] - given[0], step, out=np.zeros_like(given[0]), where=step != 0.0)
     return Forces(given[0] - 1j * rates * speeds[0] * slope, slope, unbalances)
 
 
