@@ -338,7 +338,8 @@ def forces(machine: Machine) -> Forces:
     system = machine.system
     names = [shaft.name for shaft in system.shafts]
     unbalances = np.zeros((len(names), len(system.dofs)), dtype=complex)
-    for body in bodies(system):
+    # A body without lateral motion has no unbalance.
+    for body in (body for body in bodies(system) if body.unbalance):
         y, z = system.coordinates.lateral(str(body.name))
         unbalances[names.index(body.shaft), y] += body.unbalance
         unbalances[names.index(body.shaft), z] -= 1j * body.unbalance
@@ -354,7 +355,9 @@ def forces(machine: Machine) -> Forces:
             if found[k, i].any():
                 given[k, i] = dynamic @ found[k, i] - omega**2 * unbalances[i]
     rates = np.array(system.speed_ratios)[:, None]
-    slope = (given[1] - given[0]) / (1j * rates * (speeds[1] - speeds[0]))
+    step = 1j * rates * (speeds[1] - speeds[0])
+    # A shaft that stands still has no force of its rotation.
+    slope = np.divide(given[1] - given[0], step, out=np.zeros_like(given[0]), where=step != 0.0)
     return Forces(given[0] - 1j * rates * speeds[0] * slope, slope, unbalances)
 
 
@@ -478,9 +481,10 @@ def run(machine: Machine) -> Work:
 def not_found(found: Complex, exact: Complex) -> float:
     """Return the largest relative distance of an oscillating eigenvalue from the nearest exact one.
 
-    SciPy finds the eigenvalues near a shift, without overdamped ones that are far from it.
+    SciPy finds the eigenvalues near a shift, without overdamped ones that are far from it. A mode
+    of a diagram that has passed other modes may be beyond all that SciPy finds, and is left out.
     """
-    oscillating = found[found.imag > 1.0]
+    oscillating = found[(found.imag > 1.0) & (np.abs(found) <= np.abs(exact).max())]
     distances = np.abs(oscillating[:, None] - exact).min(axis=1) / np.abs(oscillating)
     return float(distances.max(initial=0.0))
 

@@ -128,12 +128,11 @@ def read_only(data: T) -> T:
     """Make all arrays in (nested) mappings and sequences read-only, and return the data."""
     if isinstance(data, np.ndarray):
         data.setflags(write=False)
-    elif isinstance(data, Mapping):
-        for value in data.values():
-            read_only(value)
-    elif isinstance(data, list | tuple):
-        for value in data:
-            read_only(value)
+    elif isinstance(data, Mapping | list | tuple):
+        for value in data.values() if isinstance(data, Mapping) else data:
+            # The description of an elastic housing has thousands of numbers.
+            if not isinstance(value, float):
+                read_only(value)
     return data
 
 

@@ -22,6 +22,8 @@ pub trait Number: ComplexField<RealField = f64> + Copy {}
 
 impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
+/// Number of subdiagonals of a diagonal matrix.
+const DIAGONAL_BAND_WIDTH: usize = 0;
 /// Number of subdiagonals of shafts of degree one in torsion.
 const TORSION_BAND_WIDTH: usize = 1;
 /// The same in bending.
@@ -80,6 +82,7 @@ impl<T: Number> Band<T> {
         Arch::new().dispatch(
             #[inline(always)]
             || match self.reach {
+                DIAGONAL_BAND_WIDTH => self.factor_with(DIAGONAL_BAND_WIDTH, true),
                 TORSION_BAND_WIDTH => self.factor_with(TORSION_BAND_WIDTH, true),
                 BENDING_BAND_WIDTH => self.factor_with(BENDING_BAND_WIDTH, true),
                 reach => self.factor_with(reach, true),
@@ -183,6 +186,7 @@ impl<T: Number> BandLu<T> {
         Arch::new().dispatch(
             #[inline(always)]
             || match self.reach {
+                DIAGONAL_BAND_WIDTH => self.solve_with(DIAGONAL_BAND_WIDTH, x, from, to),
                 TORSION_BAND_WIDTH => self.solve_with(TORSION_BAND_WIDTH, x, from, to),
                 BENDING_BAND_WIDTH => self.solve_with(BENDING_BAND_WIDTH, x, from, to),
                 reach => self.solve_with(reach, x, from, to),
@@ -194,7 +198,8 @@ impl<T: Number> BandLu<T> {
     fn solve_with(&self, reach: usize, x: &mut [T], from: usize, to: usize) {
         let width = 2 * reach + 1;
         // Row exchanges move an entry up by the reach at most.
-        for (k, lower) in self.lower.chunks_exact(reach).enumerate().skip(from.saturating_sub(reach)) {
+        // A diagonal matrix has no multipliers.
+        for (k, lower) in self.lower.chunks_exact(reach.max(1)).enumerate().skip(from.saturating_sub(reach)) {
             x.swap(k, k + self.pivots[k]);
             let (done, rest) = x.split_at_mut(k + 1);
             let value = done[k];
@@ -222,7 +227,7 @@ impl<T: Number> BandLu<T> {
                 *entry -= *factor * head[k];
             }
         }
-        for (k, lower) in self.lower.chunks_exact(self.reach).enumerate().rev() {
+        for (k, lower) in self.lower.chunks_exact(self.reach.max(1)).enumerate().rev() {
             let (head, tail) = x.split_at_mut(k + 1);
             for (entry, factor) in tail.iter().zip(lower) {
                 head[k] -= *factor * *entry;
@@ -288,7 +293,7 @@ mod tests {
     #[test]
     fn real_and_complex_systems_of_every_small_size_are_solved() -> Result<(), Singular> {
         for size in 1..12 {
-            for reach in [1, 3, 6] {
+            for reach in [0, 1, 3, 6] {
                 check(size, reach, 0.0)?;
                 check(size, reach, Complex::<f64>::i())?;
             }

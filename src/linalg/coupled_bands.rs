@@ -27,6 +27,7 @@
 //! chapter 12); a solution that does not reach it is an error.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -90,9 +91,12 @@ impl CoupledBands {
     /// The number under which `add` couples a combination of coordinates of one chain, given as entries (coordinate, coefficient).
     /// The matrix of the chain has no entries between these coordinates, and no chain is appended afterwards.
     pub fn combination(&mut self, entries: &[(usize, f64)]) -> usize {
-        let chain = entries.first().map_or(0, |(first, _)| chain_of(&self.starts, *first));
-        let entries = entries.iter().map(|(index, coefficient)| (index - self.starts[chain], *coefficient)).collect();
-        let motion = Motion { chain, entries };
+        let indices = || entries.iter().map(|(index, _)| *index);
+        let (first, last) = (indices().min().unwrap_or(0), indices().max().unwrap_or(0));
+        let mut coefficients = vec![0.0; last + 1 - first];
+        entries.iter().for_each(|(index, coefficient)| coefficients[index - first] += coefficient);
+        let chain = chain_of(&self.starts, first);
+        let motion = Motion { chain, first: first - self.starts[chain], coefficients: coefficients.into() };
         let known = self.combinations.iter().position(|known| *known == motion);
         self.size
             + known.unwrap_or_else(|| {
@@ -115,7 +119,7 @@ impl CoupledBands {
             return self.combinations[combination].clone();
         }
         let chain = chain_of(&self.starts, number);
-        Motion { chain, entries: vec![(number - self.starts[chain], 1.0)] }
+        Motion { chain, first: number - self.starts[chain], coefficients: Arc::new([1.0]) }
     }
 
     /// Adds `value` to the entry of two coordinates or combinations.
@@ -193,7 +197,7 @@ impl CoupledBands {
         let mut of_combinations = vec![0.0; self.combinations.len()];
         for ((row, column), value) in &self.couplings {
             let width = column.checked_sub(self.size).map_or(1.0, |index| {
-                self.combinations[index].entries.iter().map(|(_, coefficient)| coefficient.abs()).sum()
+                self.combinations[index].coefficients.iter().map(|coefficient| coefficient.abs()).sum()
             });
             *sizes.get_mut(*row).unwrap_or_else(|| &mut of_combinations[*row - self.size]) += value.l1_norm() * width;
         }
@@ -203,9 +207,9 @@ impl CoupledBands {
 
     /// Adds the sizes of forces along the combinations to those of the rows.
     fn add_sizes(&self, of_combinations: &[f64], sizes: &mut [f64]) {
-        for (Motion { chain, entries }, size) in self.combinations.iter().zip(of_combinations) {
-            let own = &mut sizes[self.starts[*chain]..];
-            entries.iter().for_each(|(row, coefficient)| own[*row] += coefficient.abs() * size);
+        for (Motion { chain, first, coefficients }, size) in self.combinations.iter().zip(of_combinations) {
+            let own = &mut sizes[self.starts[*chain] + first..];
+            own.iter_mut().zip(&**coefficients).for_each(|(own, coefficient)| *own += coefficient.abs() * size);
         }
     }
 }
@@ -447,7 +451,7 @@ mod tests {
     /// same as a dense matrix.
     fn with_combinations(shift: f64, count: usize) -> (CoupledBands, DMatrix<Complex64>) {
         let (mut sum, mut dense) = (CoupledBands::default(), DMatrix::zeros(9, 9));
-        [4, 5].into_iter().for_each(|size| sum.push(BandChain::zeros(size, 1)));
+        [(4, 1), (5, 0)].into_iter().for_each(|(size, reach)| sum.push(BandChain::zeros(size, reach)));
         for i in 0..9 {
             let value = Complex64::from(if i < 4 { 2.0 } else { (i - 4) as f64 } - shift);
             sum.add(i, i, value);
@@ -500,7 +504,7 @@ mod tests {
         for modes in [10, 20, 100] {
             let mut sum = CoupledBands::default();
             sum.push(BandChain::zeros(rows, 1));
-            sum.push(BandChain::zeros(modes, 1));
+            sum.push(BandChain::zeros(modes, 0));
             (0..rows + modes).for_each(|i| sum.add(i, i, Complex64::from(1.0 + i as f64)));
             for k in 0..seats {
                 let row: Vec<_> = (rows..rows + modes).map(|i| (i, ((3 * i + 2 * k) as f64).cos())).collect();

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -10,6 +11,7 @@ use super::band::{Band, BandLu, Number, Singular};
 use super::blocks::{BlockFactors, Blocks};
 use super::coupled_bands::CoupledBands;
 use super::dense::matrix_of_columns;
+use super::product::LANES;
 
 /// A coordinate is soft if its entry on the diagonal is below this fraction of its couplings. The solution of Woodbury's formula loses
 /// this factor of accuracy, which one refinement gives back; with 1e-3, all modes of a housing would be soft under stiff bearings.
@@ -27,19 +29,40 @@ pub(super) fn chain_of(starts: &[usize], coordinate: usize) -> usize {
 pub(super) struct Motion {
     /// Index of the chain.
     pub chain: usize,
-    /// Entries (row in the matrix of the chain, coefficient), ascending.
-    pub entries: Vec<(usize, f64)>,
+    /// Row of the first coordinate in the matrix of the chain.
+    pub first: usize,
+    /// Coefficients of this coordinate and those after it.
+    pub coefficients: Arc<[f64]>,
 }
 
 impl Motion {
-    /// Its value in a vector over the coordinates of the chain.
+    /// Whether it is a combination.
+    fn is_combination(&self) -> bool {
+        self.coefficients.len() > 1
+    }
+
+    /// Rows of its coordinates.
+    fn rows(&self) -> Range<usize> {
+        self.first..self.first + self.coefficients.len()
+    }
+
+    /// Its value in a vector over the coordinates of the chain, summed in lanes because one sum would wait for each addition.
     pub fn value<T: Number>(&self, x: &[T]) -> T {
-        self.entries.iter().fold(T::zero(), |sum, (row, coefficient)| sum + x[*row].scale(*coefficient))
+        let (x, x_rest) = x[self.rows()].as_chunks::<LANES>();
+        let (coefficients, coefficients_rest) = self.coefficients.as_chunks::<LANES>();
+        let mut sums = [T::zero(); LANES];
+        for (x, coefficients) in x.iter().zip(coefficients) {
+            for (sum, (x, coefficient)) in sums.iter_mut().zip(x.iter().zip(coefficients)) {
+                *sum += x.scale(*coefficient);
+            }
+        }
+        let rest = x_rest.iter().zip(coefficients_rest).map(|(x, coefficient)| x.scale(*coefficient));
+        rest.chain(sums).fold(T::zero(), |sum, part| sum + part)
     }
 
     /// Subtracts a force along it.
     pub fn subtract(&self, force: Complex64, x: &mut [Complex64]) {
-        self.entries.iter().for_each(|(row, coefficient)| x[*row] -= force * *coefficient);
+        x[self.rows()].iter_mut().zip(&*self.coefficients).for_each(|(x, coefficient)| *x -= force * *coefficient);
     }
 }
 
@@ -90,21 +113,22 @@ impl Couplings {
         let mut factors = Vec::with_capacity(self.parts.len());
         for part in &self.parts {
             let given = &self.motions[part.clone()];
-            if given.iter().all(|motion| motion.entries.len() == 1) {
+            if !given.iter().any(Motion::is_combination) {
                 factors.push(DMatrix::identity(part.len(), part.len()));
                 motions.extend_from_slice(given);
                 continue;
             }
-            let rows = given.iter().flat_map(|motion| &motion.entries).map(|(row, _)| row + 1).max().unwrap_or(0);
+            let rows = given.iter().map(|motion| motion.rows().end).max().unwrap_or(0);
             let mut columns = DMatrix::zeros(rows, given.len());
             for (motion, mut column) in given.iter().zip(columns.column_iter_mut()) {
-                motion.entries.iter().for_each(|(row, coefficient)| column[*row] = *coefficient);
+                column.rows_range_mut(motion.rows()).copy_from_slice(&motion.coefficients);
             }
             let basis = independent_columns(&columns);
             factors.push((basis.transpose() * columns).map(Complex64::from));
             let motion = |column: nalgebra::DVectorView<'_, f64>| Motion {
                 chain: given[0].chain,
-                entries: column.iter().copied().enumerate().collect(),
+                first: 0,
+                coefficients: column.iter().copied().collect(),
             };
             motions.extend(basis.column_iter().map(|column| motion(column.as_view())));
         }
@@ -120,8 +144,7 @@ impl Couplings {
     pub fn factor_chains(&self, mut chains: Vec<Band<Complex64>>) -> Result<Vec<BandLu<Complex64>>, Singular> {
         for (motion, damper) in self.motions.iter().zip(&self.dampers).filter(|(_, damper)| **damper != Complex64::ZERO)
         {
-            let row = motion.entries[0].0;
-            chains[motion.chain].add(row, row, *damper);
+            chains[motion.chain].add(motion.first, motion.first, *damper);
         }
         chains.into_iter().map(Band::factor).collect()
     }
@@ -129,14 +152,14 @@ impl Couplings {
     /// Columns of A⁻¹E, each over the rows of its chain; of the rows before the first coupled one, only if they are `complete`.
     pub fn columns<T: Number>(&self, chains: &[BandLu<T>], complete: bool) -> Vec<Vec<T>> {
         let mut columns = Vec::with_capacity(self.motions.len());
-        let first_row = |motion: &Motion| motion.entries.first().map_or(0, |(row, _)| *row);
         for part in &self.parts {
             let motions = &self.motions[part.clone()];
-            let first = if complete { 0 } else { motions.iter().map(first_row).min().unwrap_or(0) };
+            let first = if complete { 0 } else { motions.iter().map(|motion| motion.first).min().unwrap_or(0) };
             for motion in motions {
                 let mut column = vec![T::zero(); chains[motion.chain].size()];
-                motion.entries.iter().for_each(|(row, coefficient)| column[*row] = T::from_real(*coefficient));
-                chains[motion.chain].solve_part(&mut column, first_row(motion), first);
+                let entries = column[motion.rows()].iter_mut().zip(&*motion.coefficients);
+                entries.for_each(|(entry, coefficient)| *entry = T::from_real(*coefficient));
+                chains[motion.chain].solve_part(&mut column, motion.first, first);
                 columns.push(column);
             }
         }
@@ -151,7 +174,7 @@ impl Couplings {
             for (j, column) in columns.iter().enumerate() {
                 for (i, motion) in motions.iter().enumerate() {
                     // Only diagonal entries act between the coordinates of a combination: its receptances are symmetric.
-                    let is_symmetric = motion.entries.len() > 1 || motions[j].entries.len() > 1;
+                    let is_symmetric = motion.is_combination() || motions[j].is_combination();
                     if i > j && is_symmetric {
                         continue;
                     }
@@ -173,7 +196,13 @@ impl Couplings {
         let mut capacity = Blocks::zeros(self.parts.clone());
         (0..receptances.len()).for_each(|part| capacity.block(part, part).fill_with_identity());
         self.matrix.for_each(|row, column, block| {
-            capacity.block(row, column).gemm(Complex64::ONE, &receptances[row], block, Complex64::ONE);
+            let product = capacity.block(row, column);
+            // Most motions are coupled to few others.
+            for (mut product, couplings) in product.column_iter_mut().zip(block.column_iter()) {
+                let couplings = receptances[row].column_iter().zip(couplings.iter());
+                let couplings = couplings.filter(|(_, coupling)| **coupling != Complex64::ZERO);
+                couplings.for_each(|(receptances, coupling)| product.axpy(*coupling, &receptances, Complex64::ONE));
+            }
         });
         capacity
     }
@@ -181,11 +210,11 @@ impl Couplings {
     /// Factors of I + Z Δ. A chain that is singular until others are eliminated needs `all_exchanges` of rows, which take
     /// time proportional to r³.
     pub fn factor_capacity(&self, columns: &[Vec<Complex64>], all_exchanges: bool) -> Result<BlockFactors, Singular> {
-        let capacity = self.capacity(&self.receptances(columns));
-        if !all_exchanges && let Ok(factors) = capacity.clone().factor(|_| {}) {
+        let receptances = self.receptances(columns);
+        if !all_exchanges && let Ok(factors) = self.capacity(&receptances).factor(|_| {}) {
             return Ok(factors);
         }
-        capacity.merged().factor(|_| {})
+        self.capacity(&receptances).merged().factor(|_| {})
     }
 
     /// Z + Z Δ Z.
@@ -220,10 +249,10 @@ fn soft_coordinates(bands: &CoupledBands, sizes: &BTreeMap<usize, f64>) -> BTree
     // Sizes of the couplings of the coordinates of each chain.
     let mut coupled: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (key, size) in sizes.range(bands.size()..) {
-        let Motion { chain, entries } = &bands.combinations[key - bands.size()];
-        let sizes = coupled.entry(*chain).or_insert_with(|| vec![0.0; bands.chains[*chain].size()]);
-        for (row, coefficient) in entries {
-            sizes[*row] += coefficient * coefficient * size;
+        let motion = &bands.combinations[key - bands.size()];
+        let sizes = coupled.entry(motion.chain).or_insert_with(|| vec![0.0; bands.chains[motion.chain].size()]);
+        for (own, coefficient) in sizes[motion.rows()].iter_mut().zip(&*motion.coefficients) {
+            *own += coefficient * coefficient * size;
         }
     }
     let mut soft = BTreeMap::new();

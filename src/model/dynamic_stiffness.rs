@@ -205,17 +205,19 @@ impl Model {
     /// Adds Σᵢⱼ value(i, j)·rᵢ·rⱼᵀ, where rᵢ is the vector `rows[i]`.
     pub fn add_form(&self, sum: &mut CoupledBands, rows: &[Row], value: impl Fn(usize, usize) -> Complex64) {
         // Motions with the force on each for a unit force on the row, and the part of each in the displacement of the row.
-        let circular = |row: &Row| {
-            let (single, combined) = self.housings.split(row);
-            let single = single.iter().flat_map(|(index, factor)| {
-                let parts = self.circular(*index).into_iter().flatten();
-                parts.map(|(motion, force, displacement)| (motion, force * *factor, displacement * *factor))
-            });
-            let mut motions: Vec<_> = single.collect();
-            motions.extend(combined.iter().map(|row| (sum.combination(row), Complex64::ONE, Complex64::ONE)));
+        let mut circular = |row: &Row| {
+            let mut motions = Vec::with_capacity(2 * row.len().min(2));
+            for part in self.housings.parts(row) {
+                let [(index, factor)] = *part else {
+                    motions.push((sum.combination(part), Complex64::ONE, Complex64::ONE));
+                    continue;
+                };
+                let circular = self.circular(index).into_iter().flatten();
+                motions.extend(circular.map(|(motion, force, place)| (motion, force * factor, place * factor)));
+            }
             motions
         };
-        let motions: Vec<_> = rows.iter().map(circular).collect();
+        let motions: Vec<_> = rows.iter().map(&mut circular).collect();
         for (i, left) in motions.iter().enumerate() {
             for (j, right) in motions.iter().enumerate() {
                 let value = value(i, j);
@@ -262,16 +264,19 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights, c
     }
 }
 
-/// Appends the coordinates of supports and housings, whose inertia couples none of them.
+/// Appends the coordinates of supports and housings, whose inertia couples none of them. The modes of an elastic housing are a
+/// chain of their own, whose matrix is diagonal.
 fn push_housings(sum: &mut CoupledBands, housings: &HousingInertia, weights: &Weights) {
-    if housings.inertia.is_empty() {
-        return;
+    let coordinates: Vec<(usize, f64)> = housings.coordinates().zip(housings.inertia.iter().copied()).collect();
+    let housing = |(index, _): &(usize, f64)| housings.housing_of_mode(*index);
+    for chain in coordinates.chunk_by(|a, b| housing(a) == housing(b)) {
+        let is_diagonal = chain.first().is_some_and(|first| housing(first).is_some());
+        let mut band = BandChain::zeros(chain.len(), if is_diagonal { 0 } else { housings.band_order().reach() });
+        for (row, (_, inertia)) in chain.iter().enumerate() {
+            band.add(row, row, weights.mass * *inertia);
+        }
+        sum.push(band);
     }
-    let mut band = BandChain::zeros(housings.inertia.len(), housings.band_order().reach());
-    for (row, inertia) in housings.inertia.iter().enumerate() {
-        band.add(row, row, weights.mass * *inertia);
-    }
-    sum.push(band);
 }
 
 /// stiffness·K + mass·M + damping·C of a chain, without gyroscopic terms.

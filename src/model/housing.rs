@@ -55,26 +55,17 @@ impl HousingInertia {
 
     /// Whether a coordinate, in the order of the core, is a mode of an elastic housing.
     pub fn is_mode(&self, index: usize) -> bool {
-        self.modes.iter().any(|modes| modes.contains(&index))
+        self.housing_of_mode(index).is_some()
     }
 
-    /// The entries of a row over single coordinates, and those over the modes of each elastic housing, if these are several.
-    pub fn split(&self, row: &Row) -> (Row, Vec<Row>) {
-        let (mut single, mut combined) = (Row::new(), vec![Row::new(); self.modes.len()]);
-        for entry in row {
-            match self.modes.iter().position(|modes| modes.contains(&entry.0)) {
-                Some(housing) => combined[housing].push(*entry),
-                None => single.push(*entry),
-            }
-        }
-        combined.retain(|entries| match entries[..] {
-            [entry] => {
-                single.push(entry);
-                false
-            }
-            _ => !entries.is_empty(),
-        });
-        (single, combined)
+    /// Number of the elastic housing of which a coordinate, in the order of the core, is a mode.
+    pub fn housing_of_mode(&self, index: usize) -> Option<usize> {
+        self.modes.iter().position(|modes| modes.contains(&index))
+    }
+
+    /// The parts of a row: single coordinates, and all entries over the modes of one elastic housing.
+    pub fn parts<'r>(&'r self, row: &'r [(usize, f64)]) -> impl Iterator<Item = &'r [(usize, f64)]> {
+        row.chunk_by(|(a, _), (b, _)| self.modes.iter().any(|modes| modes.contains(a) && modes.contains(b)))
     }
 
     /// `out += M x`.
@@ -191,4 +182,17 @@ pub(super) fn roll_row(scene: &Scene, numbering: &Numbering, node: Node, point: 
         return Some(modal_row(&rows[3], modes.start, 1.0));
     }
     numbering.twist(node).map(|index| vec![(index, 1.0)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_modes_of_a_housing_are_one_part_of_a_row() {
+        let housings = HousingInertia { start: 2, inertia: vec![1.0; 7], modes: vec![3..6, 6..9] };
+        let row = [(0, 1.0), (1, 1.0), (2, 1.0), (3, 0.5), (5, 0.2), (6, 1.0), (8, 1.0)];
+        let sizes: Vec<usize> = housings.parts(&row).map(<[_]>::len).collect();
+        assert_eq!(sizes, [1, 1, 1, 2, 2]);
+    }
 }

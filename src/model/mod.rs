@@ -390,12 +390,12 @@ impl Model {
         let mut combined: Vec<Row> = Vec::new();
         let mut add = |rows: &[Row]| {
             for row in rows {
-                let (own, of_housings) = self.housings.split(row);
-                // The springs of the modes of an elastic housing are no interfaces.
-                single.extend(own.iter().map(|(index, _)| *index).filter(|index| !self.housings.is_mode(*index)));
-                for row in of_housings {
-                    if !combined.contains(&row) {
-                        combined.push(row);
+                for part in self.housings.parts(row) {
+                    match part {
+                        // The springs of the modes of an elastic housing are no interfaces.
+                        [(index, _)] => single.extend((!self.housings.is_mode(*index)).then_some(*index)),
+                        _ if combined.iter().any(|known| known == part) => {}
+                        _ => combined.push(part.to_vec()),
                     }
                 }
             }

@@ -31,7 +31,7 @@ pub(super) const STATE_ERROR_FACTOR: f64 = 10.0;
 /// Change of a correction in multiples of its error from which a secant is taken.
 const MIN_SECANT: f64 = 5.0;
 /// Number of periods of running in before each attempt of Newton's method.
-const RUN_IN_PERIODS: [usize; 3] = [0, 20, 100];
+const RUN_IN_PERIODS: [usize; 4] = [0, 10, 20, 40];
 /// Largest number of iterations of an attempt.
 const MAX_NEWTON_ITERATIONS: usize = 15;
 /// The linear systems of Newton's method are solved up to this fraction.
@@ -182,7 +182,7 @@ impl<'s, 'a> Solver<'s, 'a> {
             <= MAX_REPETITION_ERROR * self.tolerance * point.size
     }
 
-    /// Newton's method from z: the recorded fixed point, or the last point.
+    /// Newton's method from z: the recorded fixed point, or the point from which no step reduces the correction.
     fn newton(&mut self, z: Vec<f64>) -> Result<Result<Point, Point>, AnalysisError> {
         let mut point = self.point(z, Steps::Adapted(self.tolerance))?;
         for _ in 0..MAX_NEWTON_ITERATIONS {
@@ -199,6 +199,10 @@ impl<'s, 'a> Solver<'s, 'a> {
             let correction = DVector::from_column_slice(&base.correction);
             let step = conjugate_residuals(&correction, NEWTON_RTOL, product, DVector::clone)?.x;
             point = self.line_search(&base, step.as_slice())?;
+            // Further steps from here wander: a new start after running in is more likely to converge.
+            if point.error >= base.error {
+                return Ok(Err(base));
+            }
         }
         Ok(Err(point))
     }

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
+from gearbow import _shown
 from gearbow._shown import ReadOnly
 from reference.machines import bowed_rotor, hostile
 from test_response import recorded
@@ -112,3 +113,20 @@ def test_results_with_arrays_are_equal_to_themselves_only():
     compared = {one.__name__ for one in kinds if one.__dataclass_params__.eq}
     assert compared <= {"RollingEstimate"}
     assert all(one.__dataclass_params__.frozen for one in kinds)
+
+
+def test_numbers_of_a_description_are_not_visited_one_by_one(monkeypatch: pytest.MonkeyPatch):
+    # The interfaces of an elastic housing have a row of numbers over its modes for each motion.
+    rows = [[0.5] * 100 for _ in range(6)]
+    array = np.zeros(3)
+    visited = []
+    original = _shown.read_only
+
+    def counted(data):
+        visited.append(data)
+        return original(data)
+
+    monkeypatch.setattr(_shown, "read_only", counted)
+    counted({"rows": rows, "motion": (array, "text")})
+    assert not array.flags.writeable
+    assert len(visited) == 1 + 1 + len(rows) + 1 + 2
