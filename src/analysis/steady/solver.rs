@@ -31,7 +31,7 @@ pub(super) const STATE_ERROR_FACTOR: f64 = 10.0;
 /// Change of a correction in multiples of its error from which a secant is taken.
 const MIN_SECANT: f64 = 5.0;
 /// Number of periods of running in before each attempt of Newton's method.
-const RUN_IN_PERIODS: [usize; 4] = [0, 10, 20, 40];
+const RUN_IN_PERIODS: [usize; 5] = [0, 10, 20, 40, 80];
 /// Largest number of iterations of an attempt.
 const MAX_NEWTON_ITERATIONS: usize = 15;
 /// The linear systems of Newton's method are solved up to this fraction.
