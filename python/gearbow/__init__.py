@@ -25,7 +25,7 @@ from gearbow import results as results
 from gearbow._core import __version__ as __version__
 from gearbow.description.bow import Bow as Bow
 from gearbow.description.bow_limit import BowLimit as BowLimit
-from gearbow.description.elastic import Interface as Interface
+from gearbow.description.elastic import Interface as Interface, Surface as Surface
 from gearbow.description.gears import (
     Disk as Disk,
     Gear as Gear,

@@ -425,6 +425,7 @@ pub(super) fn pads(name: String, journal: &Journal) -> Option<Housing> {
         damping_ratios: Vec::new(),
         interfaces: BTreeMap::new(),
         translation: None,
+        radiation: None,
     };
     let mut along = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
     if let Some([mass, stiffness]) = tilting.spring {
@@ -512,6 +513,13 @@ fn checked_body(given: &ElasticBody, at: &EntryPath) -> Result<ElasticBody, Scen
     each("frequencies", &given.frequencies, |at, value| at.non_negative(value))?;
     each("damping_ratios", &given.damping_ratios, |at, value| at.non_negative(value))?;
     given.translation.iter().flatten().try_for_each(|row| each("translation", row, |at, value| at.finite(value)))?;
+    if let Some(radiation) = &given.radiation {
+        let at = at.field("radiation");
+        if radiation.len() != count {
+            return Err(at.error(format!("must have one row for each of {count} modes, got {}", radiation.len())));
+        }
+        radiation.iter().try_for_each(|row| each("radiation", row, |at, value| at.finite(value)))?;
+    }
     for (name, interface) in &given.interfaces {
         let path = format!("interfaces.{name}");
         interface.position.iter().try_for_each(|value| at.field(&path).finite(*value).map(drop))?;

@@ -205,12 +205,15 @@ class Coordinates(Shown):
     def _in_seat(self, values: Any, name: str, axes: Any) -> Any:
         """Give motions of an interface of an elastic housing."""
         housing, rows = self.seats[name]
-        modes = [
+        return values[..., self.modes_of(housing)] @ rows[axes].T
+
+    def modes_of(self, housing: str) -> list[int]:
+        """Find the modal coordinates of an elastic housing."""
+        return [
             n
             for n, (part, _, kind) in enumerate(self.dofs)
             if part == housing and kind.startswith("mode")
         ]
-        return values[..., modes] @ rows[axes].T
 
     def shaft(self, at: At) -> str:
         """Find the shaft of a place."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from gearbow._convert import array, matrix as nested_array, number, positive, shown, text
 from gearbow._extras import extra
+from gearbow._shown import Shown
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import SceneError
@@ -38,6 +39,8 @@ _DEPENDENT = 1e-12
 _SAME_MOTION = 1e-3
 #: Number of rigid-body motions of a free body.
 _FREE = 6
+#: Number of directions in space.
+_DIRECTIONS = 3
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,57 @@ class Interface(Part):
         return found
 
 
+@dataclass(frozen=True, eq=False)
+class Surface(Shown):
+    """The surface of a finite-element model, which radiates sound.
+
+    Parameters
+    ----------
+    rows : array_like of int, shape (nodes, 3)
+        For each node of the surface, the degrees of freedom of its displacements along x, y and z.
+    areas : array_like, shape (nodes, 3)
+        For each node, its share of the area times the outward normal [m²].
+
+    Examples
+    --------
+    A cover of four nodes in the plane z = 0, of 0.1 m × 0.2 m:
+
+    >>> import numpy as np
+    >>> import gearbow as gb
+    >>> rows = np.arange(12).reshape(4, 3)
+    >>> cover = gb.Surface(rows, np.tile([0.0, 0.0, 0.005], (4, 1)))
+    """
+
+    rows: Any
+    areas: Any
+
+    def _over(self, modes: Array) -> Array:
+        """Give ∫ n nᵀ dA over modes (n, h) [m²/kg], shape (h, h)."""
+        rows = nested_array(self.rows, "surface.rows")
+        areas = nested_array(self.areas, "surface.areas")
+        if rows.ndim != 2 or rows.shape[1] != _DIRECTIONS or rows.shape != areas.shape:
+            raise SceneError(
+                "surface: rows and areas must have the shape (nodes, 3), got "
+                f"{rows.shape} and {areas.shape}"
+            )
+        size = modes.shape[0]
+        wrong = (rows != np.floor(rows)) | (rows < 0.0) | (rows >= size)
+        if wrong.any():
+            node = int(np.argwhere(wrong)[0, 0])
+            raise SceneError(
+                f"surface.rows[{node}]: must be whole numbers below the {size} degrees of freedom, "
+                f"got {rows[node].tolist()}"
+            )
+        sizes = np.linalg.norm(areas, axis=1)
+        if (sizes == 0.0).any():
+            node = int(np.argmin(sizes))
+            raise SceneError(f"surface.areas[{node}]: must not be zero; leave this node out")
+        normals = areas / sizes[:, None]
+        moved = np.einsum("ka,kah->kh", normals, modes[rows.astype(int)])
+        radiation: Array = moved.T @ (sizes[:, None] * moved)
+        return radiation
+
+
 @dataclass(frozen=True)
 class ElasticBody(Part):
     """Modes of an elastic body with unit modal mass, and the motion of its interfaces in them."""
@@ -107,6 +161,8 @@ class ElasticBody(Part):
     interfaces: Mapping[str, Mapping[str, Any]]
     # Modal coordinates of a translation along x, y and z, shape (3, h); None for a clamped body.
     translation: Rows | None = None
+    # ∫ n nᵀ dA of the displacements n along the normal of the surface [m²/kg], shape (h, h).
+    radiation: Rows | None = None
 
     def _describe(self, path: str) -> dict[str, Plain]:  # noqa: ARG002  # the core has the path
         given: dict[str, Plain] = {
@@ -117,8 +173,10 @@ class ElasticBody(Part):
                 for name, own in self.interfaces.items()
             },
         }
-        if self.translation is not None:
-            given["translation"] = [list(row) for row in self.translation]
+        for name in ("translation", "radiation"):
+            rows = getattr(self, name)
+            if rows is not None:
+                given[name] = [list(row) for row in rows]
         return given
 
     @classmethod
@@ -187,10 +245,13 @@ def reduced(
     *,
     highest_frequency: float,
     damping_ratio: float,
+    surface: Surface | None = None,
 ) -> tuple[ElasticBody, float]:
     """Reduce a model to modes; give the body and its mass [kg], 1 of a clamped one."""
     limit = 2.0 * np.pi * positive(highest_frequency, "highest_frequency") * _REACH
     ratio = number(damping_ratio, "damping_ratio")
+    if surface is not None and not isinstance(surface, Surface):
+        raise SceneError(f"surface: must be a gb.Surface, got {shown(surface)}")
     if not isinstance(interfaces, Mapping) or not interfaces:
         raise SceneError(f"interfaces: must be a dict of gb.Interface, got {shown(interfaces)}")
     size = matrices.mass.shape[0]
@@ -220,6 +281,7 @@ def reduced(
             tuple(np.where(rigid, 0.0, ratio).tolist()),
             {name: _seat(interfaces[name], own[name]) for name in interfaces},
             None if translation is None else tuples(translation.tolist()),
+            None if surface is None else tuples(surface._over(modes).tolist()),
         ),
         mass,
     )

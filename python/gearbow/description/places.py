@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from gearbow._convert import BYTES, nested, real, shown, text
 from gearbow._types import Plain
-from gearbow.description.elastic import ElasticBody, Interface, Matrices, reduced
+from gearbow.description.elastic import ElasticBody, Interface, Matrices, Surface, reduced
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import ChannelError, SceneError
 from gearbow.units.values import is_quantity
@@ -177,6 +177,7 @@ class Housing(Part):
         interfaces: Mapping[str, Interface],
         highest_frequency: float,
         damping_ratio: float = 0.0,
+        surface: Surface | None = None,
     ) -> "Housing":
         """Make an elastic housing of the matrices of a finite-element model.
 
@@ -201,6 +202,8 @@ class Housing(Part):
             Highest frequency of interest [Hz].
         damping_ratio : float
             Damping ratio of every elastic mode.
+        surface : Surface, optional
+            The surface that radiates sound, for `radiated_power` of harmonic responses.
 
         Returns
         -------
@@ -238,6 +241,7 @@ class Housing(Part):
             interfaces,
             highest_frequency=highest_frequency,
             damping_ratio=damping_ratio,
+            surface=surface,
         )
         places_given = np.array([one.position for one in interfaces.values()], dtype=np.float64)
         middle = tuple(places_given.mean(axis=0).tolist())

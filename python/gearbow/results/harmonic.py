@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gearbow._convert import positive
 from gearbow._core import Model
+from gearbow._lookup import one_of
 from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import ReadOnly, short
 from gearbow._types import Array, At, ComplexArray, Plain, Side
@@ -96,6 +98,73 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
         if not isinstance(sensor, SignalSensor):
             raise SceneError(f"sensor: must be a gb.Probe or gb.Accelerometer, got {sensor!r}")
         return self._signal(sensor)
+
+    def radiated_power(
+        self, housing: str, *, density: float = 1.204, sound_speed: float = 343.2
+    ) -> Array:
+        """Equivalent radiated power of the surface of an elastic housing.
+
+        Parameters
+        ----------
+        housing : str
+            Name of a housing that `Housing.from_matrices` made with a `surface`.
+        density : float
+            Density ρ of the air [kg/m³], by default that at 20 °C.
+        sound_speed : float
+            Speed of sound c [m/s], by default that at 20 °C.
+
+        Returns
+        -------
+        ndarray, shape (...,)
+            Power [W] of each source.
+
+        Raises
+        ------
+        SceneError
+            If there is no such housing, it has no surface, or a number is not positive.
+
+        Notes
+        -----
+        P = ρ c/2 ∫ abs(v)² dA with the amplitude v of the velocity along the normal: the power if
+        every part of the surface radiates as a plane wave does (radiation efficiency 1). It is an
+        upper estimate at low frequencies, where neighbouring parts cancel (Fritze, Marburg and
+        Hardtke, *Estimation of radiated sound power*, Acta Acustica 95, 2009).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import gearbow as gb
+        >>> cover = gb.Surface([[0, 1, 2]], [[0.0, 0.0, 0.02]])
+        >>> housing = gb.Housing.from_matrices(
+        ...     "housing", mass=5.0 * np.eye(3), stiffness=1e6 * np.eye(3), surface=cover,
+        ...     interfaces={"seat": gb.Interface((0.0, 0.0, 0.0), rows=[0, 1, 2])},
+        ...     highest_frequency=1000.0)
+        >>> rotor = gb.Shaft("rotor", length=0.5, outer_diameter=0.05)
+        >>> seats = [("housing", "seat"), None]
+        >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3, support=support)
+        ...             for x, support in zip((0.0, 0.5), seats)]
+        >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings, housings=[housing])
+        >>> source = gb.Force(("rotor", 0.25), (0.0, 10.0))
+        >>> response = system.frequency_response([300.0], source=source)
+        >>> print(f"{1e6 * response.radiated_power('housing')[0, 0]:.2f} µW")
+        97.48 µW
+        """
+        impedance = positive(density, "density") * positive(sound_speed, "sound_speed")
+        surfaces = {
+            each["name"]: each["elastic"]["radiation"]
+            for each in self.description.get("housings", ())
+            if "radiation" in each.get("elastic", {})
+        }
+        if not surfaces:
+            raise SceneError(
+                "housing: no housing of this system has a surface that radiates; make one by "
+                "gb.Housing.from_matrices(surface=)"
+            )
+        surface = np.array(surfaces[one_of(housing, surfaces, "housing")], dtype=np.float64)
+        moved = self._motion[..., self.coordinates.modes_of(housing)]
+        mean_square = np.einsum("...h,hk,...k->...", moved.conj(), surface, moved).real
+        power: Array = impedance / 2.0 * self._rates**2 * mean_square
+        return power
 
     def _signal(self, sensor: Any) -> ComplexArray:
         """Give the phasors of the signal of a sensor."""

@@ -25,6 +25,8 @@ _BODY, _PART_OF_BODY = "[housings.elastic]", "[housings.elastic."
 _DIGITS = 12
 #: Springs of an interface, which may have none.
 _SPRINGS = ("stiffness", "damping")
+#: Arrays that a body may lack.
+_OPTIONAL = ("translation", "radiation")
 
 
 def write_bodies(housings: tuple[Housing, ...], scene: str, path: Path) -> str:
@@ -106,8 +108,10 @@ def _packed(body: ElasticBody) -> bytes:
     }
     for name in _SPRINGS:
         arrays[name] = [each.get(name) or (np.nan,) * 3 for each in own]
-    if body.translation is not None:
-        arrays["translation"] = body.translation
+    for name in _OPTIONAL:
+        rows = getattr(body, name)
+        if rows is not None:
+            arrays[name] = rows
     file = BytesIO()
     np.savez_compressed(file, **arrays)
     return file.getvalue()
@@ -122,6 +126,5 @@ def _unpacked(data: bytes) -> ElasticBody:
         interfaces[name] = {"position": arrays["positions"][i], "rows": arrays["rows"][i]}
         springs = {key: arrays[key][i] for key in _SPRINGS}
         interfaces[name] |= {k: value for k, value in springs.items() if not np.isnan(value).any()}
-    return ElasticBody(
-        arrays["frequencies"], arrays["damping_ratios"], interfaces, arrays.get("translation")
-    )
+    optional = {name: arrays.get(name) for name in _OPTIONAL}
+    return ElasticBody(arrays["frequencies"], arrays["damping_ratios"], interfaces, **optional)

@@ -69,6 +69,9 @@ pub struct ElasticBody {
     pub interfaces: BTreeMap<String, Interface>,
     /// Modal coordinates of a translation of the whole body along x, y and z; a body that is clamped has none.
     pub translation: Option<[Vec<f64>; 3]>,
+    /// ∫ n nᵀ dA of the displacements n along the normal of the surface per unit of each modal coordinate, m²/kg, for the power that it
+    /// radiates; a body without a surface has none.
+    pub radiation: Option<Vec<Vec<f64>>>,
 }
 
 /// A place of an elastic body: a bearing seat, a foot or a sensor.

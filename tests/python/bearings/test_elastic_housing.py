@@ -466,6 +466,57 @@ def test_universal_files_of_modes_have_the_interfaces(tmp_path: Path) -> None:
     assert np.diag(found.mac)[moves] == pytest.approx(np.ones(moves.sum()), abs=1e-9)
 
 
+@pytest.mark.parametrize("speed", [250.0, -250.0])
+def test_the_radiated_power_is_that_of_the_velocity_along_the_normal(
+    speed: float, tmp_path: Path
+) -> None:
+    _, _, frame = _two_seats(True)
+    # the nodes of interfaces, whose motion is known, with normals in all directions
+    names = {"sensor": (0.0, 0.2, 0.0), "seat 0": (0.0, 0.0, 0.0), "foot 0.6 0.2": (0.6, 0.2, -0.3)}
+    areas = np.array([[0.01, -0.02, 0.005], [-0.003, 0.001, 0.04], [0.002, 0.003, 0.0]])
+    rows = [frame.rows(*place)[:3] for place in names.values()]
+    system = _rotor(_made(True, surface=gb.Surface(rows, areas)), gravity=None)
+    system.save(tmp_path / "scene.toml")
+    sources = {
+        "frequency": lambda given: given.frequency_response(
+            [200.0, 900.0], source=gb.Force("disk", (1.0, 2.0j)), speed=speed
+        ),
+        "synchronous": lambda given: given.synchronous([speed, 2.0 * speed]),
+    }
+    for name, analysis in sources.items():
+        response = analysis(system)
+        rates = np.array([200.0, 900.0] if name == "frequency" else [speed, 2.0 * speed])[:, None]
+        expected = 0.0
+        for place, area in zip(names, areas, strict=True):
+            lateral, axial = response.displacement(place), response.axial_displacement(place)
+            normal = area / np.linalg.norm(area)
+            moved = normal[0] * axial + lateral @ normal[1:]
+            expected = expected + np.linalg.norm(area) * np.abs(rates * moved) ** 2
+        power = response.radiated_power("housing", density=1.2, sound_speed=340.0)
+        # round-off of the modes
+        assert power == pytest.approx(1.2 * 340.0 / 2.0 * expected, rel=1e-9)
+        assert power.min() > 0.0
+        read = analysis(gb.RotorSystem.load(tmp_path / "scene.toml"))
+        kept = read.radiated_power("housing", density=1.2, sound_speed=340.0)
+        assert kept == pytest.approx(power, rel=1e-12)
+
+
+def test_errors_of_surfaces() -> None:
+    for rows, areas, message in (
+        ([[0, 1]], [[0.0, 0.0]], "must have the shape"),
+        ([[0, 1, 2]], [[0.0, 0.0, 1.0]] * 2, "must have the shape"),
+        ([[0, 1, 2], [0, 1, 10**6]], [[0.0, 0.0, 1.0]] * 2, r"surface.rows\[1\]: must be whole"),
+        ([[0, 1, 2], [0, 1, 2]], [[0.0, 0.0, 1.0], [0.0] * 3], r"surface.areas\[1\]: must not"),
+    ):
+        with pytest.raises(gb.SceneError, match=message):
+            _made(True, surface=gb.Surface(rows, areas))
+    with pytest.raises(gb.SceneError, match=r"surface: must be a gb\.Surface"):
+        _made(True, surface=[[0, 1, 2]])
+    response = _rotor(_made(True), gravity=None).synchronous([100.0])
+    with pytest.raises(gb.SceneError, match="no housing of this system has a surface"):
+        response.radiated_power("housing")
+
+
 def test_the_end_view_shows_interfaces_without_bearings() -> None:
     view = elastic("housing", sensor=True).plot().axes[1]
     assert "sensor" in {text.get_text() for text in view.texts}

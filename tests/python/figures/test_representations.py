@@ -104,6 +104,7 @@ def objects() -> dict[str, object]:
             "h", mass=1.0, stiffness=1e8, points={f"p{i}": (0.0, 0.0, 0.0) for i in range(300)}
         ),
         gb.Interface((0.1, 0.2, 0.3), [MANY, MANY, MANY]),
+        gb.Surface([[0, 1, 2]] * 300, [[0.0, 0.0, 1e-4]] * 300),
         gb.Notch("s", 0.5, bending=1.5),
         gb.StrainGauge(("s", 0.5), "bending"),
         pair.static(20.0).section_forces("shaft 0"),
