@@ -5,6 +5,15 @@
 
 use super::Halt;
 
+/// A quantity at one instant that a method evaluates for several instants together.
+#[derive(Clone, Copy, Debug)]
+pub enum Deferred<'a> {
+    /// Kinetic energy and elastic energy of the shafts, J.
+    ShaftEnergies([f64; 2]),
+    /// The values of all recorded combinations of coordinates.
+    Combinations(&'a [f64]),
+}
+
 /// The motion over a step, for observers.
 pub trait Trajectory {
     /// Elapsed time at the beginning, s.
@@ -49,26 +58,26 @@ pub trait Trajectory {
     /// [`Halt`] where the equation is not defined.
     fn accelerations(&mut self, instants: &[f64], coordinates: &[usize], a: &mut [f64]) -> Result<(), Halt>;
 
-    /// Writes the values of the recorded combinations of coordinates, one set for each instant of the last call of
-    /// [`Self::states`], and returns whether it can: a motion in modal coordinates has rows for them. Otherwise they follow from
-    /// the coordinates.
+    /// Evaluates the loads for the recorded combinations of coordinates at the instants of the last call of [`Self::states`],
+    /// and returns whether [`Self::deferred`] gives the combinations: a motion in modal coordinates has rows for them. Otherwise
+    /// they follow from the coordinates.
     ///
     /// # Errors
     /// [`Halt`] where the equation is not defined.
-    fn combinations(&mut self, _instants: &[f64], _values: &mut [f64]) -> Result<bool, Halt> {
+    fn combines(&mut self, _instants: &[f64]) -> Result<bool, Halt> {
         Ok(false)
     }
 
-    /// Whether [`Self::shaft_energies`] gives the energies of the shafts at the instants of [`Self::states`]. Otherwise, the
+    /// Whether [`Self::deferred`] gives the energies of the shafts at the instants of [`Self::states`]. Otherwise, the
     /// displacements and velocities of all coordinates give them.
     fn defers_energies(&self) -> bool {
         false
     }
 
-    /// Passes kinetic energy and elastic energy of the shafts, J, to `receive`: one pair for each instant of all calls of
-    /// [`Self::states`] in a run, in their order. A method that evaluates several instants together keeps the last ones for
-    /// later calls, or for [`Observer::shaft_energies`](super::Observer::shaft_energies).
-    fn shaft_energies(&mut self, _receive: &mut dyn FnMut([f64; 2])) {}
+    /// Passes deferred quantities to `receive`: one of each kind for each instant of all calls of [`Self::states`] in a run, in
+    /// their order. A method that evaluates several instants together keeps the last ones for later calls, or for
+    /// [`Observer::deferred`](super::Observer::deferred).
+    fn deferred(&mut self, _receive: &mut dyn FnMut(Deferred<'_>)) {}
 
     /// Whether the step resolves every mode, so that a polynomial of low degree is the motion within it.
     fn is_resolved(&self) -> bool {
@@ -157,6 +166,15 @@ impl Span<'_> {
         let (h, s) = (self.step, (elapsed - self.start) / self.step);
         let rise = s * s * (3.0 - 2.0 * s);
         [1.0 - rise, h * s * (1.0 - s) * (1.0 - s), rise, -h * s * s * (1.0 - s)]
+    }
+
+    /// Writes the state at `elapsed` on the cubic.
+    pub fn write_cubic(&self, elapsed: f64, state: &mut [f64]) {
+        let weights = self.cubic(elapsed);
+        let sides = [self.before.state, self.before.derivative, self.after.state, self.after.derivative];
+        for (at, value) in state.iter_mut().enumerate() {
+            *value = weights.iter().zip(sides).map(|(weight, side)| weight * side[at]).sum();
+        }
     }
 
     /// Writes displacements and velocities of `coordinates` into the state `y`.

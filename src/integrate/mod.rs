@@ -20,7 +20,7 @@ pub use controller::{Adaptive, StepControl};
 pub use driver::{CHECK_INTERVAL, Halted, run};
 pub use event_locator::MAX_CHANGES_AT_ONE_TIME;
 pub use halt::Halt;
-pub use interpolate::{Span, StepEnd, Trajectory, at_each};
+pub use interpolate::{Deferred, Span, StepEnd, Trajectory, at_each};
 pub use state::{ExponentialState, ForceVariation, MethodState, State, StepHistory};
 pub use statistics::{Statistics, StepLimit};
 pub use step::{RungeKutta, StepInterval};

@@ -1,6 +1,6 @@
 //! Interfaces of an integrator: the system, the motion over a step, and the observer.
 
-use super::{Halt, Span, Trajectory, at_each};
+use super::{Deferred, Halt, Span, Trajectory, at_each};
 
 /// A first-order system ẏ = f(t, y). y holds displacements, then velocities, unless the system has its own coordinates.
 pub trait FirstOrderSystem {
@@ -81,9 +81,9 @@ pub trait Observer {
     /// Receives new contact modes. `read` writes displacements and velocities at that instant.
     fn switched(&mut self, _elapsed: f64, _read: &mut dyn FnMut(&mut [f64], &mut [f64]), _contact_modes: &[i64]) {}
 
-    /// Receives kinetic energy and elastic energy of the shafts, J, at one of the last instants that were observed, in their
-    /// order: those that no [`Trajectory::shaft_energies`] has passed before the end of the run.
-    fn shaft_energies(&mut self, _energies: [f64; 2]) {}
+    /// Receives a quantity at one of the last instants that were observed, in their order: those that no
+    /// [`Trajectory::deferred`] has passed before the end of the run.
+    fn deferred(&mut self, _quantity: Deferred<'_>) {}
 
     /// Whether to continue. The loop over steps asks at regular intervals of steps.
     fn continues(&mut self, elapsed: f64) -> bool;

@@ -44,8 +44,8 @@ use crate::connection::Touch;
 use crate::exponential::InModes;
 use crate::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use crate::integrate::{
-    Adaptive, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl, StepLimit,
-    Trajectory, run,
+    Adaptive, Deferred, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl,
+    StepLimit, Trajectory, run,
 };
 use crate::modal::{AtSpeed, CachedModel, MAX_CONDITION};
 use crate::motion::{EquationOfMotion, Speed};
@@ -379,8 +379,8 @@ impl Observer for RunObserver<'_, '_> {
         self.recorder.switched(elapsed, read, contact_modes);
     }
 
-    fn shaft_energies(&mut self, energies: [f64; 2]) {
-        self.recorder.add_shaft_energies(energies);
+    fn deferred(&mut self, quantity: Deferred<'_>) {
+        self.recorder.add_deferred(quantity);
     }
 
     fn continues(&mut self, elapsed: f64) -> bool {

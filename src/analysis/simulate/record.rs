@@ -4,8 +4,8 @@ use super::audit::Audit;
 use super::events::{Event, EventRecorder};
 use super::{RecordPlan, RecorderState};
 use crate::connection::{MESH_CHANNELS, Row, mesh_values};
-use crate::exponential::INSTANT_BATCH;
-use crate::integrate::{FirstOrderSystem, Halt, Trajectory};
+use crate::exponential::{INSTANT_BATCH, MAX_WAITING};
+use crate::integrate::{Deferred, FirstOrderSystem, Halt, Trajectory};
 use crate::model::{Cut, Moving, PlaceRows, SECTION_FORCES, Turning};
 use crate::motion::{CONSTANT_LOAD_SUMS, Energies, EquationOfMotion, SourceTerms};
 
@@ -66,9 +66,7 @@ struct Scratch {
     acceleration: Vec<f64>,
     /// Displacements without the bow at one instant; empty where no energies are recorded.
     unbent: Vec<f64>,
-    /// Values of the combinations of section forces at all instants; empty where none are recorded.
-    combined: Vec<f64>,
-    /// Rotation of each shaft at one instant; empty where no section forces are recorded.
+    /// Rotation of every shaft at each recorded output without section forces, oldest first; empty where none are recorded.
     turnings: Vec<Turning>,
 }
 
@@ -82,8 +80,6 @@ pub(super) struct Recorder<'a, 'm> {
     /// Indices of the coordinates that recording needs, and of those whose acceleration it needs.
     coordinates: Vec<usize>,
     accelerated: Vec<usize>,
-    /// Number of combinations of coordinates for all section forces.
-    combinations: usize,
     /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
     bearing_rows: Vec<Option<[Row; 2]>>,
     /// Number of values behind the coordinates of a vector: potentials of constant loads, where energies are recorded.
@@ -136,17 +132,15 @@ impl<'a, 'm> Recorder<'a, 'm> {
             coordinates
         };
         let has_accelerations = plan.acceleration || !plan.cuts.is_empty();
-        let combinations = plan.combinations(&motion).len();
+        let turnings = if plan.cuts.is_empty() { 0 } else { MAX_WAITING * model.scene.shafts.len() };
         Self {
             coordinates: with_cuts(plan.coordinates(model)),
-            combinations,
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             scratch: Scratch {
                 displacement: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
                 velocity: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
                 acceleration: vec![0.0; if has_accelerations { INSTANT_BATCH * model.len() } else { 0 }],
-                combined: vec![0.0; INSTANT_BATCH * combinations],
-                turnings: vec![Turning::default(); if plan.cuts.is_empty() { 0 } else { model.scene.shafts.len() }],
+                turnings: Vec::with_capacity(turnings),
                 unbent: vec![0.0; if plan.energy { model.len() } else { 0 }],
             },
             extra,
@@ -186,17 +180,22 @@ impl<'a, 'm> Recorder<'a, 'm> {
             let room = count * (len + self.extra);
             let (q, v) = (&mut self.scratch.displacement[..room], &mut self.scratch.velocity[..room]);
             motion.states(instants, &self.coordinates, q, v);
-            let combined = &mut self.scratch.combined[..count * self.combinations];
-            let is_combined = !combined.is_empty() && motion.combinations(instants, combined)?;
-            if self.plan.acceleration || !self.plan.cuts.is_empty() && !is_combined {
+            let has_cuts = !self.plan.cuts.is_empty();
+            let is_combined = has_cuts && motion.combines(instants)?;
+            if self.plan.acceleration || has_cuts && !is_combined {
                 motion.accelerations(instants, &self.accelerated, &mut self.scratch.acceleration[..count * len])?;
             }
             for (index, elapsed) in instants.iter().enumerate() {
                 self.sample(*elapsed, index, motion.defers_energies())?;
-                self.add_section_forces(*elapsed, index, is_combined);
                 self.record.time.push(self.times[self.record.time.len()]);
+                if has_cuts {
+                    self.add_turnings(*elapsed, index);
+                }
+                if has_cuts && !is_combined {
+                    self.add_section_forces(|recorder, cut, turning| cut.forces(&recorder.moving(index), turning));
+                }
             }
-            motion.shaft_energies(&mut |energies| self.add_shaft_energies(energies));
+            motion.deferred(&mut |quantity| self.add_deferred(quantity));
         }
         self.events.step(&self.motion, motion);
         Ok(())
@@ -218,8 +217,19 @@ impl<'a, 'm> Recorder<'a, 'm> {
         self.events.switched(&self.motion, elapsed, read, q, v, contact_modes);
     }
 
-    /// Adds kinetic energy and elastic energy of the shafts, J, to the oldest output without them.
-    pub fn add_shaft_energies(&mut self, [kinetic, shafts]: [f64; 2]) {
+    /// Adds a quantity to the oldest output without it.
+    pub fn add_deferred(&mut self, quantity: Deferred<'_>) {
+        match quantity {
+            Deferred::ShaftEnergies(energies) => self.add_shaft_energies(energies),
+            Deferred::Combinations(values) => {
+                let mut values = values.chunks_exact((values.len() / self.plan.cuts.len().max(1)).max(1));
+                self.add_section_forces(|_, cut, turning| cut.combined(values.next().unwrap_or_default(), turning));
+            }
+        }
+    }
+
+    /// Adds kinetic energy and elastic energy of the shafts, J.
+    fn add_shaft_energies(&mut self, [kinetic, shafts]: [f64; 2]) {
         if let Some((energies, _)) = self.record.energy.get_mut(self.shaft_energies) {
             (energies.kinetic, energies.shafts) = (kinetic, shafts);
         }
@@ -292,28 +302,38 @@ impl<'a, 'm> Recorder<'a, 'm> {
         Ok(())
     }
 
-    /// Records the section forces at `elapsed`, which has this index among the instants that were read: from the values of
-    /// combinations, or from coordinates.
-    fn add_section_forces(&mut self, elapsed: f64, index: usize, is_combined: bool) {
+    /// Adds the rotation of all shafts at `elapsed`, which has this index among the instants that were read.
+    fn add_turnings(&mut self, elapsed: f64, index: usize) {
+        let (model, Scratch { displacement, turnings, .. }) = (self.motion.model(), &mut self.scratch);
+        let displacement = &displacement[index * (model.len() + self.extra)..][..model.len()];
+        let shafts = 0..model.scene.shafts.len();
+        turnings.extend(shafts.map(|shaft| self.motion.turning(shaft, elapsed, displacement)));
+    }
+
+    /// The motion at the instant with this index among those that were read.
+    fn moving(&self, index: usize) -> Moving<'_> {
         let (len, begin) = (self.motion.model().len(), index * (self.motion.model().len() + self.extra));
-        let displacement = &self.scratch.displacement[begin..begin + len];
-        let values = &self.scratch.combined[index * self.combinations..(index + 1) * self.combinations];
-        let per_cut = self.combinations / self.plan.cuts.len().max(1);
-        let turnings = self.scratch.turnings.iter_mut().enumerate();
-        turnings.for_each(|(shaft, turning)| *turning = self.motion.turning(shaft, elapsed, displacement));
-        for (number, cut) in self.plan.cuts.iter().enumerate() {
-            let turning = self.scratch.turnings[cut.shaft];
-            let forces = if is_combined {
-                cut.combined(&values[number * per_cut..(number + 1) * per_cut], turning)
-            } else {
-                let velocity = &self.scratch.velocity[begin..begin + len];
-                let acceleration = &self.scratch.acceleration[index * len..(index + 1) * len];
-                cut.forces(&Moving { displacement, velocity, acceleration }, turning)
-            };
+        Moving {
+            displacement: &self.scratch.displacement[begin..begin + len],
+            velocity: &self.scratch.velocity[begin..begin + len],
+            acceleration: &self.scratch.acceleration[index * len..(index + 1) * len],
+        }
+    }
+
+    /// Records the section forces of the oldest output without them.
+    fn add_section_forces(&mut self, mut forces: impl FnMut(&Self, &Cut, Turning) -> [f64; SECTION_FORCES]) {
+        let shafts = self.motion.model().scene.shafts.len();
+        // An output that could not be recorded has no rotations.
+        if self.scratch.turnings.len() < shafts {
+            return;
+        }
+        for cut in &self.plan.cuts {
+            let forces = forces(self, cut, self.scratch.turnings[cut.shaft]);
             let (force, moment) = forces.split_at(SECTION_FORCES / 2);
             self.record.section_force.extend_from_slice(force);
             self.record.section_moment.extend_from_slice(moment);
         }
+        self.scratch.turnings.drain(..shafts);
     }
 
     /// Continues from the state of the recorder at a checkpoint and the contact modes there.

@@ -31,9 +31,7 @@ pub fn run(
 ) -> Result<(), Halted> {
     let mut driver = Driver::new(stepper, control, state);
     let outcome = driver.run(stepper, output, state, end, observer, statistics);
-    if let Some(energies) = output.energies() {
-        energies.evaluate(stepper.loads(), true, &mut |energies| observer.shaft_energies(energies));
-    }
+    output.evaluate_deferred(stepper.loads(), true, &mut |quantity| observer.deferred(quantity));
     state.method = MethodState::Exponential(driver.own);
     outcome.map_err(|halt| Halted { halt, elapsed: state.elapsed })
 }
@@ -301,8 +299,8 @@ impl Driver {
     ) {
         let loads = stepper.loads();
         // Angles of shafts within a piece of a variable speed follow from that piece only.
-        if let (Some(_), Some(energies)) = (loads.motion.piece_at(state.elapsed), output.energies()) {
-            energies.evaluate(loads, true, &mut |energies| observer.shaft_energies(energies));
+        if loads.motion.piece_at(state.elapsed).is_some() {
+            output.evaluate_deferred(loads, true, &mut |quantity| observer.deferred(quantity));
         }
         let sampler = &mut self.sampler;
         let mut read = |q: &mut [f64], v: &mut [f64]| {

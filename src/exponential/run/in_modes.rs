@@ -8,7 +8,7 @@ use pulp::Arch;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{InterfaceMaps, kernel};
 use crate::exponential::within_step::OutputMap;
-use crate::integrate::{FirstOrderSystem, Halt, Span, Trajectory};
+use crate::integrate::{Deferred, FirstOrderSystem, Halt, Span, Trajectory};
 use crate::mesh::Contact;
 use crate::modal::ModalStateSpace;
 
@@ -92,11 +92,7 @@ impl FirstOrderSystem for InModes<'_> {
 
     fn within(&self, span: &Span<'_>, elapsed: f64, z: &mut [f64]) {
         // The step resolves every mode, so that the cubic is accurate for all of them.
-        let weights = span.cubic(elapsed);
-        let sides = [span.before.state, span.before.derivative, span.after.state, span.after.derivative];
-        for (at, z) in z.iter_mut().enumerate() {
-            *z = weights.iter().zip(sides).map(|(weight, side)| weight * side[at]).sum();
-        }
+        span.write_cubic(elapsed, z);
     }
 
     fn trajectory<'a>(&'a mut self, span: Span<'a>) -> impl Trajectory + 'a {
@@ -149,15 +145,22 @@ impl Trajectory for ModalTrajectory<'_, '_> {
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
         let system = &mut *self.system;
-        let Some(map) = system.output.accelerations() else { return Ok(()) };
-        map.interpolate(&system.loads, &self.span, instants, a)
+        if let Some(map) = system.output.accelerations() {
+            map.gather_within(&self.span, instants);
+        }
+        system.output.read_accelerations(&system.loads, instants, a)
     }
 
-    fn combinations(&mut self, instants: &[f64], values: &mut [f64]) -> Result<bool, Halt> {
+    fn combines(&mut self, instants: &[f64]) -> Result<bool, Halt> {
         let system = &mut *self.system;
         let Some(map) = system.output.combinations() else { return Ok(false) };
-        map.interpolate(&system.loads, &self.span, instants, values)?;
+        map.gather_within(&self.span, instants);
+        map.add_loads(&system.loads, instants)?;
         Ok(true)
+    }
+
+    fn deferred(&mut self, receive: &mut dyn FnMut(Deferred<'_>)) {
+        self.system.output.evaluate_deferred(&self.system.loads, true, receive);
     }
 
     fn end_displacement(&self) -> Option<&[f64]> {

@@ -13,6 +13,6 @@ mod substep;
 mod substep_modes;
 mod trajectory;
 
-pub use output::{INSTANT_BATCH, OutputMap, Selection};
+pub use output::{INSTANT_BATCH, MAX_WAITING, OutputMap, Selection};
 pub use substep::SubstepSampler;
 pub use trajectory::{CompletedStep, StepTrajectory};

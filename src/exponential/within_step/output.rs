@@ -7,7 +7,7 @@ use super::combinations::CombinationMap;
 use super::state_map::StateMap;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{InterfaceMaps, Rows};
-use crate::integrate::{Span, at_each};
+use crate::integrate::{Deferred, Halt, Span, at_each};
 use crate::linalg::semidefinite_root;
 use crate::modal::ModalStateSpace;
 use crate::model::Combination;
@@ -16,7 +16,7 @@ use crate::motion::PowerCoordinates;
 /// Largest number of instants that are evaluated together.
 pub const INSTANT_BATCH: usize = 8;
 /// Largest number of instants that wait: the last outputs of a step are added to those of earlier steps.
-const MAX_WAITING: usize = 2 * INSTANT_BATCH;
+pub const MAX_WAITING: usize = 2 * INSTANT_BATCH;
 
 /// Coordinates that a run reads.
 #[derive(Clone, Debug, Default)]
@@ -44,6 +44,8 @@ pub struct OutputMap {
     displacements: Vec<usize>,
     /// Indices of the velocities.
     velocities: Vec<usize>,
+    /// Indices of the accelerations.
+    accelerated: Vec<usize>,
     /// The displacements, then the velocities, m or rad and m/s or rad/s.
     map: StateMap,
     /// The map to the coordinates from which powers follow.
@@ -69,20 +71,20 @@ impl OutputMap {
             powers.damping = Some(distributed_damping(loads, linear));
             Box::new(powers)
         });
-        let map = |combinations: &[Combination], targets: Vec<usize>| {
-            (!targets.is_empty()).then(|| Box::new(CombinationMap::new(loads, linear, maps, combinations, targets)))
+        let map = |combinations: &[Combination]| {
+            (!combinations.is_empty()).then(|| Box::new(CombinationMap::new(loads, linear, maps, combinations)))
         };
         let acceleration = |index: &usize| Combination { acceleration: vec![(*index, 1.0)], ..Combination::default() };
-        let of_coordinates: Vec<_> = accelerations.iter().map(acceleration).collect();
-        let accelerations = map(&of_coordinates, accelerations);
-        let combinations = map(&combinations, (0..combinations.len()).collect());
+        let accelerated = accelerations;
+        let of_coordinates: Vec<_> = accelerated.iter().map(acceleration).collect();
+        let (accelerations, combinations) = (map(&of_coordinates), map(&combinations));
         let complete = Self::of_sums(loads, linear, (displacements, velocities), &[]);
         let Some([displacements, velocities]) = without_energies else {
-            return Self { powers, accelerations, combinations, ..complete };
+            return Self { powers, accelerated, accelerations, combinations, ..complete };
         };
         let energies = Some(Box::new(ShaftEnergies::new(complete, loads.reference.len())));
         let motion = Self::of_sums(loads, linear, (displacements, velocities), &sums);
-        Self { powers, energies, accelerations, combinations, ..motion }
+        Self { powers, energies, accelerated, accelerations, combinations, ..motion }
     }
 
     /// Collects the rows of displacements and velocities with these indices, and of sums of displacements.
@@ -113,6 +115,7 @@ impl OutputMap {
             map: StateMap::new(Rows::new(&rows, &linear.parts), reference, amplitudes, sources),
             displacements,
             velocities,
+            accelerated: Vec::new(),
             powers: None,
             energies: None,
             accelerations: None,
@@ -136,7 +139,8 @@ impl OutputMap {
     pub(in crate::exponential) fn complete(self) -> Self {
         match self.energies {
             Some(energies) => {
-                Self { accelerations: self.accelerations, combinations: self.combinations, ..energies.into_output() }
+                let Self { accelerated, accelerations, combinations, .. } = self;
+                Self { accelerated, accelerations, combinations, ..energies.into_output() }
             }
             None => self,
         }
@@ -150,6 +154,44 @@ impl OutputMap {
     /// The map to the combinations, if a run reads any.
     pub(in crate::exponential) fn combinations(&mut self) -> Option<&mut CombinationMap> {
         self.combinations.as_deref_mut()
+    }
+
+    /// Passes what is evaluated at several instants together to `receive`, if there are enough of them or `all` are wanted; see
+    /// [`Trajectory::deferred`](crate::integrate::Trajectory::deferred).
+    pub(in crate::exponential) fn evaluate_deferred(
+        &mut self,
+        loads: &Loads<'_>,
+        all: bool,
+        receive: &mut dyn FnMut(Deferred<'_>),
+    ) {
+        if let Some(energies) = &mut self.energies {
+            energies.evaluate(loads, all, &mut |energies| receive(Deferred::ShaftEnergies(energies)));
+        }
+        if let Some(combinations) = &mut self.combinations {
+            combinations.evaluate(loads, all, &mut |values| receive(Deferred::Combinations(values)));
+        }
+    }
+
+    /// Writes the selected accelerations at the states that their map has gathered, which belong to `instants`, one vector after
+    /// the other.
+    ///
+    /// # Errors
+    /// [`Halt`] where a load is not defined.
+    pub(in crate::exponential) fn read_accelerations(
+        &mut self,
+        loads: &Loads<'_>,
+        instants: &[f64],
+        a: &mut [f64],
+    ) -> Result<(), Halt> {
+        let Some(map) = &mut self.accelerations else { return Ok(()) };
+        map.add_loads(loads, instants)?;
+        let mut vectors = a.chunks_exact_mut((a.len() / instants.len().max(1)).max(1));
+        map.evaluate(loads, true, &mut |values| {
+            if let Some(a) = vectors.next() {
+                self.accelerated.iter().zip(values).for_each(|(index, value)| a[*index] = *value);
+            }
+        });
+        Ok(())
     }
 
     /// Writes the selected displacements and velocities of a state into vectors of all coordinates. The sums of displacements

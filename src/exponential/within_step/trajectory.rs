@@ -3,7 +3,7 @@
 use super::output::OutputMap;
 use super::substep::SubstepSampler;
 use crate::exponential::step::Stepper;
-use crate::integrate::{Halt, Trajectory};
+use crate::integrate::{Deferred, Halt, Trajectory};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// The step that was taken last, before it is committed.
@@ -76,10 +76,8 @@ impl Trajectory for StepTrajectory<'_, '_> {
         true
     }
 
-    fn shaft_energies(&mut self, receive: &mut dyn FnMut([f64; 2])) {
-        if let Some(energies) = self.output.energies() {
-            energies.evaluate(self.step.stepper.loads(), false, receive);
-        }
+    fn deferred(&mut self, receive: &mut dyn FnMut(Deferred<'_>)) {
+        self.output.evaluate_deferred(self.step.stepper.loads(), false, receive);
     }
 
     fn power_states(&mut self, instants: &[f64], _: &[usize], _: &[Vec<(usize, f64)>], q: &mut [f64], v: &mut [f64]) {
@@ -94,13 +92,12 @@ impl Trajectory for StepTrajectory<'_, '_> {
     }
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
-        let Some(map) = self.output.accelerations() else { return Ok(()) };
-        map.read_gathered(self.step.stepper.loads(), instants, a)
+        self.output.read_accelerations(self.step.stepper.loads(), instants, a)
     }
 
-    fn combinations(&mut self, instants: &[f64], values: &mut [f64]) -> Result<bool, Halt> {
+    fn combines(&mut self, instants: &[f64]) -> Result<bool, Halt> {
         let Some(map) = self.output.combinations() else { return Ok(false) };
-        map.read_gathered(self.step.stepper.loads(), instants, values)?;
+        map.add_loads(self.step.stepper.loads(), instants)?;
         Ok(true)
     }
 

@@ -384,6 +384,24 @@ def test_methods_agree_and_record_the_same_forces() -> None:
         assert np.abs(one - other).max() < 1e-5 * np.abs(other).max()
 
 
+def test_forces_do_not_depend_on_the_number_of_outputs_in_a_step() -> None:
+    """Forces of several outputs are evaluated together, also across contact changes and pieces of a speed."""
+    system = machines.separating_pair(3.5e-4, 1e-4)
+    table = gb.SpeedProfile.table([0.0, 1.5e-2, 5e-2], [100.0, 130.0, 90.0])
+    for speed in (100.0, table):
+        fine, *others = (
+            system.simulate(
+                5e-2, speed, record=["gears", "section_forces"], output_step=every * 2e-5
+            )
+            for every in (1, 5, 20)
+        )
+        assert len(fine.events) > 50
+        expected = fine.section_forces("pinion").values
+        for every, run in zip((5, 20), others, strict=True):
+            error = np.abs(run.section_forces("pinion").values - expected[::every])
+            assert error.max() < 1e-12 * np.abs(expected).max()
+
+
 def test_a_run_up_records_the_forces_of_its_coordinates() -> None:
     system = machines.hostile(
         shafts=[
