@@ -74,8 +74,9 @@ pub trait Trajectory {
         false
     }
 
-    /// Passes deferred quantities to `receive`: one of each kind for each instant of all calls of [`Self::states`] in a run, in
-    /// their order. A method that evaluates several instants together keeps the last ones for later calls, or for
+    /// Passes the quantities that a method evaluates for several instants together to `receive`. In a run, `receive` gets each kind of
+    /// quantity once for every instant that [`Self::states`] was called for, in the order of the instants. The last instants wait for
+    /// a later call, or for
     /// [`Observer::deferred`](super::Observer::deferred).
     fn deferred(&mut self, _receive: &mut dyn FnMut(Deferred<'_>)) {}
 

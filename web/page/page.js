@@ -175,18 +175,31 @@ let pending = false;
 /** Largest bow of each shaft of the train as it is written [µm]. */
 const present = new Map();
 
-async function compute() {
+/** Computes with the train as it is written, with a bow [µm] of a shaft; an empty name keeps all bows. One computation at a time. */
+async function withTrain(button, text, shaft, bow, work) {
   if (pending) return;
   pending = true;
-  byId("compute").disabled = true;
-  say("Assembling …");
+  byId(button).disabled = true;
+  say(text);
   await drawn();
-  const begin = performance.now();
-  const results = {};
   let train;
   try {
-    const shaft = byId("shaft").value;
-    train = new wasm_bindgen.Train(byId("scene").value, JSON.stringify(UNITS), shaft, byId("bow").value * 1e-6);
+    train = new wasm_bindgen.Train(byId("scene").value, JSON.stringify(UNITS), shaft, bow * 1e-6);
+    await work(train);
+  } catch (error) {
+    say(String(error.message ?? error), true);
+  } finally {
+    train?.free();
+    byId(button).disabled = false;
+    pending = false;
+  }
+}
+
+async function compute() {
+  if (pending) return;
+  const begin = performance.now();
+  const results = {};
+  await withTrain("compute", "Assembling …", byId("shaft").value, byId("bow").value, async (train) => {
     const speed = byId("speed").value / RPM;
     const fastest = byId("fastest").value / RPM;
     const layout = asked(train, "layout");
@@ -218,42 +231,23 @@ async function compute() {
     const seconds = ((performance.now() - begin) / 1000).toFixed(1);
     const done = `${layout.degrees_of_freedom} degrees of freedom, ${seconds} s`;
     say([done, ...failed].join("\n"), failed.length > 0);
-  } catch (error) {
-    say(String(error.message ?? error), true);
-  } finally {
-    train?.free();
-    window.gearbowResults = results;
-    byId("compute").disabled = false;
-    byId("report").disabled = results.modes === undefined;
-    byId("limits").disabled = byId("shaft").value === "";
-    pending = false;
-  }
+  });
+  window.gearbowResults = results;
+  byId("report").disabled = results.modes === undefined;
+  byId("limits").disabled = byId("shaft").value === "";
 }
 
 /** Seeks the bow of the chosen shaft at which each mesh loses contact. */
 async function findLimits() {
-  if (pending) return;
-  pending = true;
-  byId("limits").disabled = true;
-  say("Seeking the largest bow …");
-  await drawn();
-  let train;
-  try {
-    const shaft = byId("shaft").value;
-    train = new wasm_bindgen.Train(byId("scene").value, JSON.stringify(UNITS), "", 0);
+  const shaft = byId("shaft").value;
+  await withTrain("limits", "Seeking the largest bow …", "", 0, (train) => {
     const found = asked(train, "bow_limits", shaft, byId("speed").value / RPM);
     const text = (limit) => (limit.bow === null ? "none" : (limit.bow * 1e6).toPrecision(4));
     tabulate("limit-table", ["mesh", `largest bow of ${shaft} [µm]`], found.map((limit) => [limit.mesh, text(limit)]));
     byId("bow-limits").hidden = found.length === 0;
     window.gearbowLimits = found;
     say(found.length === 0 ? "This train has no teeth." : `Largest bow of ${shaft} found.`);
-  } catch (error) {
-    say(String(error.message ?? error), true);
-  } finally {
-    train?.free();
-    byId("limits").disabled = false;
-    pending = false;
-  }
+  });
 }
 
 /** Writes train and results into a page of its own, which needs no script. */

@@ -23,6 +23,9 @@ from gearbow.errors import SceneError
 #: Rows of numbers over the modes.
 Rows: TypeAlias = tuple[tuple[float, ...], ...]
 
+#: Fields with rows that a body may lack.
+OPTIONAL_ROWS = ("translation", "radiation")
+
 #: Natural modes of the basis reach up to this multiple of the highest frequency of interest. Modes
 #: left out respond statically; at the highest frequency of a portal of bars this is accurate to
 #: 1.6e-3 with 1.7, and to 5e-4 with 2.2.
@@ -39,8 +42,6 @@ _DEPENDENT = 1e-12
 _SAME_MOTION = 1e-3
 #: Number of rigid-body motions of a free body.
 _FREE = 6
-#: Number of directions in space.
-_DIRECTIONS = 3
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ class Surface(Shown):
         """Give ∫ n nᵀ dA over modes (n, h) [m²/kg], shape (h, h)."""
         rows = nested_array(self.rows, "surface.rows")
         areas = nested_array(self.areas, "surface.areas")
-        if rows.ndim != 2 or rows.shape[1] != _DIRECTIONS or rows.shape != areas.shape:
+        if rows.shape != areas.shape or rows.shape[1:] != (3,):
             raise SceneError(
                 "surface: rows and areas must have the shape (nodes, 3), got "
                 f"{rows.shape} and {areas.shape}"
@@ -173,7 +174,7 @@ class ElasticBody(Part):
                 for name, own in self.interfaces.items()
             },
         }
-        for name in ("translation", "radiation"):
+        for name in OPTIONAL_ROWS:
             rows = getattr(self, name)
             if rows is not None:
                 given[name] = [list(row) for row in rows]

@@ -212,7 +212,7 @@ class Correction(Figured, ReadOnly, Generic[S]):
     def remaining_share(self) -> float:
         """Share of the vibration that no weights in these planes can remove.
 
-        It is the RMS of `remaining` over the RMS before.
+        It is the RMS value of `remaining` divided by the RMS value of `before`.
         """
         before = float(np.linalg.norm(self.before))
         return float(np.linalg.norm(self.remaining)) / before if before > 0.0 else 0.0

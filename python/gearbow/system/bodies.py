@@ -14,7 +14,7 @@ import numpy as np
 
 from gearbow._convert import shown
 from gearbow._files import parsing, replacing
-from gearbow.description.elastic import ElasticBody
+from gearbow.description.elastic import OPTIONAL_ROWS, ElasticBody
 from gearbow.description.places import Housing
 from gearbow.errors import SceneError
 
@@ -25,8 +25,6 @@ _BODY, _PART_OF_BODY = "[housings.elastic]", "[housings.elastic."
 _DIGITS = 12
 #: Springs of an interface, which may have none.
 _SPRINGS = ("stiffness", "damping")
-#: Arrays that a body may lack.
-_OPTIONAL = ("translation", "radiation")
 
 
 def write_bodies(housings: tuple[Housing, ...], scene: str, path: Path) -> str:
@@ -108,7 +106,7 @@ def _packed(body: ElasticBody) -> bytes:
     }
     for name in _SPRINGS:
         arrays[name] = [each.get(name) or (np.nan,) * 3 for each in own]
-    for name in _OPTIONAL:
+    for name in OPTIONAL_ROWS:
         rows = getattr(body, name)
         if rows is not None:
             arrays[name] = rows
@@ -126,5 +124,5 @@ def _unpacked(data: bytes) -> ElasticBody:
         interfaces[name] = {"position": arrays["positions"][i], "rows": arrays["rows"][i]}
         springs = {key: arrays[key][i] for key in _SPRINGS}
         interfaces[name] |= {k: value for k, value in springs.items() if not np.isnan(value).any()}
-    optional = {name: arrays.get(name) for name in _OPTIONAL}
+    optional = {name: arrays.get(name) for name in OPTIONAL_ROWS}
     return ElasticBody(arrays["frequencies"], arrays["damping_ratios"], interfaces, **optional)

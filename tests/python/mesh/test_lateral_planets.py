@@ -24,7 +24,7 @@ RIGID = gb.Material(youngs_modulus=207e9, density=1.0, poisson_ratio=0.3)
 #: Stiffness against tilting that keeps all bodies in their plane [N m/rad].
 UPRIGHT = 1e9
 MESH, PIN, BEARING, RING_ROTATION = 5e8, 1e8, 1e8, 1e9
-#: Speed of the sun at the rated speed of the carrier, 250 rad/s.
+#: Speed of the sun [rad/s] when the carrier turns at its rated speed of 250 rad/s.
 RATED = 1000.0
 RATIO = SUN / (SUN + RING)
 

@@ -66,7 +66,8 @@ def test_static_equilibrium_on_either_flank(torque: float, coupled: bool):
 
 
 def test_steps_converge_on_the_back_flanks_as_on_the_drive_flanks():
-    # Newton's method of a step needs the damping of the flank that presses, about four evaluations.
+    # Each step solves its equations by Newton's method, which converges within about four
+    # evaluations if it takes the damping of the flank that is in contact.
     mesh = {"stiffness": K, "backlash": BACKLASH, "damping": 1e4}
     counts = []
     for torque in (TORQUE, -TORQUE):
