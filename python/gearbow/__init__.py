@@ -85,6 +85,7 @@ from gearbow.results.steady import SteadyState as SteadyState
 from gearbow.sensors import (
     Accelerometer as Accelerometer,
     Probe as Probe,
+    RingSensor as RingSensor,
     StrainGauge as StrainGauge,
     Tacho as Tacho,
 )

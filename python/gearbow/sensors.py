@@ -1,4 +1,4 @@
-"""What probes, accelerometers and tachometers measure of a recorded run."""
+"""What sensors measure of a recorded run, such as probes, accelerometers and tachometers."""
 
 import math
 from abc import ABC, abstractmethod
@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, complex_number, number, text, truth, whole
+from gearbow._convert import array, complex_number, number, positive, text, truth, whole
 from gearbow._lookup import one_of
 from gearbow._shown import Shown
 from gearbow._times import crossings
@@ -476,3 +476,80 @@ class StrainGauge(SignalSensor):
                 "phasor of their signal; measure a run, or gauges of torque"
             )
         return motion("torque", self.at)
+
+
+@dataclass(frozen=True)
+class RingSensor(SignalSensor):
+    """A sensor at rest beside an internal gear, past which the carrier takes the planets.
+
+    It measures the forces of the meshes of this gear with its planets, each with a weight w(β) that
+    depends on the angle β between planet and sensor about the axis:
+    w = cos²(πβ/(2 `width`)) within ±`width`, 0 elsewhere (Hann window). So each planet that passes
+    modulates the signal. Multiply it by the acceleration at the sensor for a force of 1 N at the
+    nearest teeth to get that of an accelerometer.
+
+    Parameters
+    ----------
+    ring : str
+        The internal gear. Its meshes must be recorded.
+    angle : float
+        Position of the sensor about the axis of the ring, from y towards z [rad].
+    width : float, optional
+        Angle between planet and sensor [rad] from which on the planet has no effect, at most π.
+        None: π divided by the number of planets, so that the sensor sees one planet at a time.
+
+    Raises
+    ------
+    SceneError
+        If the name is no text, the angle is not finite, or the width is not above 0 and at most π.
+
+    References
+    ----------
+    M. Inalpolat, A. Kahraman: A theoretical and experimental investigation of modulation sidebands
+    of planetary gear sets. Journal of Sound and Vibration 323 (2009), 677-696.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.RingSensor("ring", angle=0.5).label
+    'ring sensor ring, 28.6°'
+    """
+
+    ring: str
+    _: KW_ONLY
+    angle: float = 0.0
+    width: float | None = None
+
+    unit: ClassVar[str] = "N"
+
+    def __post_init__(self) -> None:
+        text(self.ring, "ring_sensor.ring")
+        object.__setattr__(self, "angle", number(self.angle, "ring_sensor.angle"))
+        if self.width is not None:
+            width = positive(self.width, "ring_sensor.width")
+            if width > math.pi:
+                raise SceneError(f"ring_sensor.width: must be at most π rad, got {width}")
+            object.__setattr__(self, "width", width)
+
+    @property
+    def label(self) -> str:
+        """Name of the signal in tables and figures: kind, gear and position."""
+        return f"ring sensor {self.ring}, {degrees_text(self.angle)}"
+
+    def _measured(self, run: RunRecord) -> Array:
+        planets = access.planets_of(run, self.ring)
+        width = self.width or math.pi / len(planets)
+        measured = np.zeros_like(run.time)
+        for planet in planets:
+            apart = planet.angle - self.angle
+            # The nearer way around, so that |β| is at most π.
+            apart -= 2.0 * np.pi * np.round(apart / (2.0 * np.pi))
+            window = np.cos(0.5 * np.pi * apart / width) ** 2
+            measured += np.where(np.abs(apart) < width, window * planet.force, 0.0)
+        return measured
+
+    def _sensed(self, _: Motion) -> Any:
+        raise SceneError(
+            "sensor: planets pass a sensor beside a ring, so that a harmonic motion has no phasor "
+            "of its signal; measure a run"
+        )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -331,6 +331,42 @@ def section_forces(run: RunRecord, at: Any) -> tuple[list[Section], Array]:
 def at_side(sections: Sequence[Section], side: str) -> int:
     """Choose among the sections at one place: at an end of the shaft there is only one."""
     return next((i for i, (*_, own) in enumerate(sections) if own == side), 0)
+
+
+class PlanetMotion(NamedTuple):
+    """Angle of a planet about the axis of a ring [rad] and force of their mesh [N], (k,) each."""
+
+    angle: Array
+    force: Array
+
+
+def planets_of(run: RunRecord, ring: str) -> list[PlanetMotion]:
+    """Give the motion of all gears that mesh with an internal gear; they turn with the carrier."""
+    if run.request is None:
+        raise ChannelError("the positions of the planets are unknown: the response has no scene")
+    scene = run.request.description
+    bodies = {each["name"]: each for each in (*scene["gears"], *scene.get("disks", ()))}
+    if not bodies.get(ring, {}).get("internal"):
+        internal = [name for name, each in bodies.items() if each.get("internal")]
+        raise ChannelError(
+            f'ring_sensor.ring: no internal gear is called "{ring}"; there are '
+            f"{', '.join(internal) or 'none'}"
+        )
+    found = []
+    for each in scene["meshes"]:
+        if ring not in (each["driver"], each["driven"]):
+            continue
+        carrier = each.get("carrier")
+        turned: float | Array = 0.0
+        if carrier is not None:
+            shaft = bodies[carrier]["shaft"] if isinstance(carrier, str) else carrier[0]
+            turned = angle(run, shaft)
+        # The line of centres goes from the driver to the driven gear.
+        opposite = np.pi if each["driven"] == ring else 0.0
+        at_rest = each.get("centre_line_angle", 0.0) + opposite
+        force = mesh(run, (each["driver"], each["driven"])).force
+        found.append(PlanetMotion(at_rest + turned * np.ones_like(run.time), force))
+    return found
 
 
 def mesh(run: RunRecord, at: object) -> MeshResponse:

@@ -63,7 +63,7 @@ class Interface:
         for i, sensor in enumerate(given):
             if not isinstance(sensor, SignalSensor):
                 raise SceneError(
-                    f"sensors[{i}]: must be a Probe, Accelerometer or StrainGauge, got "
+                    f"sensors[{i}]: must be a Probe, Accelerometer, StrainGauge or RingSensor, got "
                     f"{shown(sensor)}"
                 )
         recorded = None if record is None else items(record, "record", "names or tuples")

@@ -296,7 +296,7 @@ def to_fmu(
         a step, the speed goes linearly from the last value to the present one. None keeps `speed`.
     record : iterable, optional
         Places and quantities that are outputs, as for `simulate`.
-    sensors : iterable of Probe, Accelerometer or StrainGauge
+    sensors : iterable of Probe, Accelerometer, StrainGauge or RingSensor
         Sensors whose signals are outputs. `record` contains their places.
     accuracy : {"draft", "engineering", "reference"}, optional
         Accuracy of the steps, as for `simulate`.
