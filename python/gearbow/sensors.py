@@ -75,8 +75,6 @@ class SignalSensor(Sensor):
         ChannelError
             If a motion or section forces were not recorded; the message says what to record. If an
             axial sensor measures a system without axial motion.
-        SceneError
-            If the function of a run-out gives no finite numbers.
         """
         return self._measured(recorded_run(recording, "recording"))
 
@@ -105,11 +103,6 @@ class Tacho(Sensor):
         twist out: the pulses are those of the prescribed rotation.
     angle : float
         Angular position of the sensor about the shaft, from y towards z [rad].
-
-    Raises
-    ------
-    SceneError
-        If the number of pulses is no positive whole number, or another number is not finite.
 
     Examples
     --------
@@ -151,8 +144,6 @@ class Tacho(Sensor):
 
         Raises
         ------
-        ChannelError
-            If there is no such shaft, or the twist or its rate was not recorded.
         SceneError
             If the recorded times do not ascend, which the twist needs.
         """
@@ -245,11 +236,6 @@ class Probe(SignalSensor):
     axial : bool
         Whether it measures the axial displacement of the shaft, along +x, on a collar instead. The
         run-out is then that of the face of the collar, positive along +x.
-
-    Raises
-    ------
-    SceneError
-        If a number is not finite, or the run-out is none of these forms.
 
     Examples
     --------
@@ -363,11 +349,6 @@ class Accelerometer(SignalSensor):
     axial : bool
         Whether it measures along +x instead.
 
-    Raises
-    ------
-    SceneError
-        If the place is invalid, the angle is not finite, or an axial sensor has an angle.
-
     Examples
     --------
     >>> import gearbow as gb
@@ -422,12 +403,6 @@ class StrainGauge(SignalSensor):
         What the gauges measure.
     angle : float
         Angle of the fibre in the shaft, from y towards z at shaft angle zero [rad]; 0 for torque.
-
-    Raises
-    ------
-    SceneError
-        If the place or the quantity is invalid, the angle is not finite, or gauges of torque have
-        an angle.
 
     Examples
     --------

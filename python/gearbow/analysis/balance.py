@@ -165,11 +165,6 @@ def balance(  # numpydoc ignore=PR01
         Least-squares unbalances over points and speeds, predicted residual, and the system with
         the correction. The correction adds to the unbalance of a gear or disk, or is a new disk
         without mass.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
     """
     one_of(target, get_args(BalanceTarget), "target")
     chosen = places(planes, "planes")

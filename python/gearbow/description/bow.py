@@ -180,15 +180,6 @@ class Bow(Part):
         Bow
             The bow, a cubic spline through the points.
 
-        Raises
-        ------
-        SceneError
-            If a heading, a unit or a number is invalid, or a column is missing.
-        MissingExtraError
-            If the format needs a library that is not installed.
-        OSError
-            If the file cannot be opened.
-
         Examples
         --------
         >>> from pathlib import Path
@@ -228,11 +219,6 @@ class Bow(Part):
         -------
         Bow
             The bow, a cubic spline through the points.
-
-        Raises
-        ------
-        SceneError
-            If `f` is no function.
 
         Examples
         --------

@@ -108,11 +108,6 @@ class BowLimit(Part):
             displacement.
         support : str, optional
             Support, housing or point of a housing on which the probe stands; None is the ground.
-
-        Raises
-        ------
-        SceneError
-            If the limit is not positive or no known standard.
         """
         value = _value(limit, DISPLACEMENTS)
         towards = None if angle is None else number(angle, "angle")
@@ -132,11 +127,6 @@ class BowLimit(Part):
             group 1 or 2, "rigid" or "flexible", and "A/B", "B/C" or "C/D".
         angle : float, optional
             Direction, from y towards z [rad]; None is the one with the largest velocity.
-
-        Raises
-        ------
-        SceneError
-            If the limit is not positive or no known standard.
         """
         towards = None if angle is None else number(angle, "angle")
         return cls("velocity", place(at, kind="place"), _value(limit, VELOCITIES), angle=towards)

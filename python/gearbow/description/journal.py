@@ -108,13 +108,6 @@ class FilmCoefficients(ReadOnly):
         matplotlib.figure.Figure
             The figure.
 
-        Raises
-        ------
-        ImportError
-            If matplotlib is missing.
-        GearbowError
-            If `ax` has another number of panels.
-
         Examples
         --------
         >>> import gearbow as gb
@@ -574,12 +567,6 @@ class SqueezeFilm(Support):
         -------
         SqueezeCoefficients
             Stiffness and damping.
-
-        Raises
-        ------
-        SceneError
-            If the ratio is not between 0 and 1, the frequency not positive, or an entry of the film
-            is impossible.
         """
         ratio, whirl = (
             number(eccentricity_ratio, "eccentricity_ratio"),

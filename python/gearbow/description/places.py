@@ -217,10 +217,6 @@ class Housing(Part):
             If the matrices are no symmetric square matrices of one size, leave some but not six
             motions free, or do not fit the positions of the interfaces, or if a file is damaged,
             of another format, or has several matrices.
-        OSError
-            If a file cannot be opened.
-        MissingExtraError
-            If SciPy is not installed.
 
         Examples
         --------

@@ -278,11 +278,6 @@ class RollingBearing(Part):
         -------
         RollingCoefficients
             Displacement, stiffness, damping and contact forces.
-
-        Raises
-        ------
-        SceneError
-            If the load or an entry of the bearing is impossible.
         """
         cage = None if cage_angle is None else number(cage_angle, "cage_angle")
         found = rolling_coefficients(self._describe("bearing"), (0.0, -number(load, "load")), cage)
@@ -318,8 +313,6 @@ class RollingBearing(Part):
 
         Raises
         ------
-        SceneError
-            If an entry of the bearing is impossible.
         ConvergenceError
             If the bearing does not carry the load, such as a thrust without a contact angle.
 

@@ -211,11 +211,6 @@ class ThermalBow(Part):
     shape : Bow
         Bow of the shaft at T = 1 K, with the hot spot along y.
 
-    Raises
-    ------
-    SceneError
-        If a value is invalid.
-
     Examples
     --------
     >>> import gearbow as gb

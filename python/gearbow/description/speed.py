@@ -82,11 +82,6 @@ class SpeedProfile(ReadOnly):
             Duration of the change [s].
         begin : float
             Time at which the change begins [s].
-
-        Raises
-        ------
-        SceneError
-            If the duration is not positive, or a number is not finite.
         """
         begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
         if not duration > 0.0:
@@ -105,11 +100,6 @@ class SpeedProfile(ReadOnly):
             Times, ascending [s].
         speeds : array_like, shape (m + 1,)
             Speeds [rad/s].
-
-        Raises
-        ------
-        SceneError
-            If times do not ascend, or the numbers of times and speeds differ.
         """
         t, values = array(times, "speed.times"), array(speeds, "speed.speeds")
         if t.shape != values.shape or t.size < 2:
@@ -435,15 +425,6 @@ class SpeedTable(Part):
             {"speed": "rpm", "stiffness": "N/um"}. Without them the numbers are in SI units.
         outside : str
             What holds outside the speeds, see the class.
-
-        Raises
-        ------
-        SceneError
-            If a heading, a unit or a number is invalid, or a column is missing.
-        MissingExtraError
-            If the format needs a library that is not installed.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----

@@ -230,8 +230,6 @@ def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
     ------
     SceneError
         If the file is damaged, or has a component that gearbow cannot represent.
-    OSError
-        If the file cannot be opened.
 
     See Also
     --------

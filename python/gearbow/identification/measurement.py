@@ -86,11 +86,6 @@ class Measurement(Figured, ReadOnly):
     speed_unit : {"rad/s", "rpm"}
         Unit of speeds in tables and figures.
 
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
-
     Examples
     --------
     >>> import numpy as np
@@ -198,10 +193,6 @@ class Measurement(Figured, ReadOnly):
         SceneError
             If a heading, a unit or a number is invalid, a column is missing, a probe occurs twice
             at one speed, or phases without a unit are no radians.
-        MissingExtraError
-            If the format needs a library that is not installed.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----
@@ -342,8 +333,6 @@ class Measurement(Figured, ReadOnly):
         ------
         SceneError
             If the file is damaged, has no such signal, or a signal has no pulses.
-        OSError
-            If the file cannot be opened.
 
         See Also
         --------

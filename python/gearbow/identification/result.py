@@ -222,11 +222,6 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         -------
         complex
             The estimate.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such unknown.
         """
         if text(name, "name") not in self.names:
             raise GearbowError(
@@ -258,11 +253,6 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         Correction
             Weights, the expected residual with its interval, and the system with the weights. Run-
             out of probes is no vibration and is not balanced.
-
-        Raises
-        ------
-        SceneError
-            If an argument is invalid.
         """
         return correct(self, planes, speeds, points)
 

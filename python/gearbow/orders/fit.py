@@ -144,11 +144,6 @@ class Orders(WithSpeeds, Result, ReadOnly):
         -------
         float
             Amplitude in the unit of the signal; at a changing speed, the largest one.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such order.
         """
         return float(abs(self.amplitudes[self._index(name)]))
 
@@ -164,11 +159,6 @@ class Orders(WithSpeeds, Result, ReadOnly):
         -------
         ndarray, shape (m,)
             Amplitudes at `times` and `speeds` in the unit of the signal.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such order.
         """
         found: Array = np.abs(self.tracks[:, self._index(name)])
         return found

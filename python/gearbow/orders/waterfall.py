@@ -180,14 +180,10 @@ def waterfall(
 
     Raises
     ------
-    SceneError
-        If there is no run.
     GearbowError
         If the speed of one of several runs changes, or their output steps or numbers of times
         differ. If the times of a run-up are not equally spaced, or `revolutions` is longer than the
         run or given for several runs.
-    ChannelError
-        If the signal was not recorded.
 
     Examples
     --------

@@ -188,11 +188,6 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
         -------
         RatedBearing
             Its loads and life.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing with a life.
         """
         return self.bearings[Places.of("bearing", [one.at for one in self.bearings]).index(at)]
 

@@ -385,13 +385,6 @@ class Campbell(WithSpeeds, Result, ReadOnly):
             monotone cubic through these values, the intersections and the thresholds. The scale of
             the damping is logarithmic if the ratios differ by more than a factor of 10; with
             negative ratios it is linear about zero.
-
-        Raises
-        ------
-        GearbowError
-            If `ax` or the unit is invalid.
-        SceneError
-            If the operating speeds are invalid.
         """
         with extra("plot"):
             from gearbow.plotting import campbell  # noqa: PLC0415

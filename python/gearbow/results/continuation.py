@@ -118,11 +118,6 @@ class Continuation(WithSpeeds, Stored):
         -------
         ndarray, shape (p,)
             Amplitude at each point.
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded.
         """
         return (self.statistic("max", at, quantity) - self.statistic("min", at, quantity)) / 2.0
 
@@ -144,13 +139,6 @@ class Continuation(WithSpeeds, Stored):
         -------
         ndarray, shape (p,)
             The number at each point.
-
-        Raises
-        ------
-        ChannelError
-            If it was not recorded.
-        GearbowError
-            If the name is unknown.
         """
         return self._statistic(one_of(name, STATISTICS, "name"), at, quantity)
 
@@ -242,13 +230,6 @@ class Continuation(WithSpeeds, Stored):
         pandas.DataFrame
             Columns with their unit: the parameter, "stable", "kind", and the statistics and the
             amplitude of the signal.
-
-        Raises
-        ------
-        ChannelError
-            If the signal was not recorded.
-        MissingExtraError
-            If pandas is not installed.
         """
         return data_frame(self._of(self._first() if at is None else at, quantity))
 

@@ -184,11 +184,6 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
             One line for each mode. Its style shows the whirl: a piece with another whirl begins at
             the last point before it. A vertical line or a grey
             range shows the stiffness of the bearings of the system.
-
-        Raises
-        ------
-        GearbowError
-            If `ax` or the unit is invalid.
         """
         with extra("plot"):
             from gearbow.plotting import campbell  # noqa: PLC0415

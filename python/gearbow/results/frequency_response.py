@@ -139,11 +139,6 @@ class FrequencyResponse(HarmonicResponse):
         ndarray, shape (k, sources)
             Phasors (k + iωc)(δ − e)/cos β_b [N] with k, c, δ and e of the transverse section,
             positive where the drive flanks are pressed.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such mesh.
         """
         force: ComplexArray = self._mesh_force[..., Places.of("mesh", self._meshes).index(at)]
         return force
@@ -183,8 +178,6 @@ class FrequencyResponse(HarmonicResponse):
 
         Raises
         ------
-        SceneError
-            If an argument is invalid.
         GearbowError
             If there is no such place, or the response has not the axes of a waterfall.
         """
@@ -326,11 +319,6 @@ class FrequencyResponse(HarmonicResponse):
         -------
         pandas.DataFrame
             Frequency, speed and source, and complex columns with their unit.
-
-        Raises
-        ------
-        MissingExtraError
-            If pandas is not installed.
         """
         curves = self._curves(at)
         columns = [Column(curve.name, curve.values.ravel(), curve.unit) for curve in curves]
@@ -348,11 +336,6 @@ class FrequencyResponse(HarmonicResponse):
         -------
         xarray.Dataset
             One complex variable for each curve over the `axes` and the source, with its unit.
-
-        Raises
-        ------
-        MissingExtraError
-            If xarray is not installed.
         """
         return self._curve_dataset(at, parts=False)
 
@@ -388,10 +371,6 @@ class FrequencyResponse(HarmonicResponse):
         SceneError
             If the suffix is unknown, or the response has two axes, which a universal file cannot
             hold.
-        MissingExtraError
-            If a library of the format is not installed.
-        OSError
-            If the file cannot be written. An existing file is unchanged.
         """
         found, ending = check_name(path, (*self._own_endings, ".csv", ".xlsx"))
         if ending in self._own_endings:
@@ -497,8 +476,6 @@ class FrequencyResponse(HarmonicResponse):
         ------
         SceneError
             If the file is invalid, or the response has several speeds.
-        GearbowError
-            If there is no such place.
         """
         from gearbow.exchange.harmonic import MeasuredCurve, read_measured  # noqa: PLC0415
         from gearbow.exchange.tables import ENDINGS  # noqa: PLC0415

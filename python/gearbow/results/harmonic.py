@@ -118,11 +118,6 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
         ndarray, shape (...,)
             Power [W] of each source.
 
-        Raises
-        ------
-        SceneError
-            If there is no such housing, it has no surface, or a number is not positive.
-
         Notes
         -----
         P = ρ c/2 ∫ abs(v)² dA with the amplitude v of the velocity along the normal: the power if

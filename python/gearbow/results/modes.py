@@ -242,13 +242,6 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         -------
         ModeComparison
             MAC of each computed mode with each measured one.
-
-        Raises
-        ------
-        SceneError
-            If the file or an argument is invalid.
-        GearbowError
-            If there is no such place.
         """
         from gearbow.exchange.universal import MeasuredShapes, read_uff  # noqa: PLC0415
 
@@ -438,11 +431,6 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         matplotlib.figure.Figure
             The train with shafts, gears and bearings to scale, or one panel for each mode with the
             shapes along the shafts.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such mode, or `ax` is invalid.
         """
         with extra("plot"):
             from gearbow.plotting import shapes as figures  # noqa: PLC0415

@@ -50,11 +50,6 @@ class Peak(Shown):
         Whether every mode has positive damping at the speed of the peak. An unstable rotor does
         not show this peak: a mode grows until something else limits it.
 
-    Raises
-    ------
-    SceneError
-        If the operating speeds are zero, not finite, of both signs or in descending order.
-
     Notes
     -----
     Backward rotation is treated like forward rotation of the mirrored rotor. For a peak with the

@@ -80,8 +80,6 @@ class Stored(Result):
         GearbowError
             If the file is damaged or has another content; the message names the file and the
             problem. The check comes before any memory is allocated for the arrays of the file.
-        OSError
-            If the file cannot be opened.
         """
         from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
 
@@ -235,13 +233,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         ndarray, shape (k,) or (n,)
             Displacement [m] or acceleration [m/s²] at the recorded times, or the times of the n
             pulses of a tachometer [s].
-
-        Raises
-        ------
-        ChannelError
-            If a motion was not recorded; the message says what to record.
-        SceneError
-            If it is no sensor.
         """
         if not isinstance(sensor, Sensor):
             raise SceneError(
@@ -282,8 +273,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If it was not recorded.
         GearbowError
             If the times are not equally spaced.
         """
@@ -342,8 +331,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If it was not recorded.
         GearbowError
             If the train does not rotate, no harmonic is asked for, or `revolutions` is longer than
             the record.
@@ -395,8 +382,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If there is no such shaft.
         GearbowError
             If the times are not equally spaced, the rate exceeds that of the recording, or the
             recording is shorter than the filter.
@@ -438,8 +423,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If no section forces were recorded.
         GearbowError
             If the response does not know its system, or an argument is invalid.
         """
@@ -467,11 +450,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         -------
         pandas.DataFrame
             Rows by time [s]; columns with their unit, e.g. "g1 y [m]", "g1/g2 force [N]".
-
-        Raises
-        ------
-        ChannelError
-            If a sensor needs a motion that was not recorded.
         """
         table = super().to_dataframe()
         for i, sensor in enumerate(items(sensors, "sensors", "sensors")):

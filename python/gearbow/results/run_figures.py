@@ -98,8 +98,6 @@ def plot(
     ------
     GearbowError
         If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
-    SceneError
-        If `skip_time` is negative or longer than the record, or `times` are not in it.
     """
     run = self._to_record()
     with extra("plot"):

@@ -192,11 +192,6 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         -------
         MeshState
             Deflection, force and geometry.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such mesh.
         """
         i = Places.of("mesh", self._data["meshes"]).index(at)
         # The equilibrium contains no friction.
@@ -325,11 +320,6 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         -------
         matplotlib.figure.Figure
             The figure. It is neither shown nor saved.
-
-        Raises
-        ------
-        GearbowError
-            If the kind or the unit is unknown, or `ax` has another number of panels.
         """
         one_of(kind, get_args(StaticFigure), "kind")
         with extra("plot"):

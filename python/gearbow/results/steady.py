@@ -174,11 +174,6 @@ class SteadyState(WithSpeeds, Stored):
         -------
         SectionForces
             N, Q_y, Q_z, M_y, M_z and T at each time.
-
-        Raises
-        ------
-        ChannelError
-            If they were not recorded.
         """
         return self.response.section_forces(at, side)
 

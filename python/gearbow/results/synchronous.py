@@ -231,11 +231,6 @@ class Synchronous(HarmonicResponse):
         ndarray, shape (speeds, shafts)
             Phasors of the force normal to the teeth [N] that the excitation of each shaft causes.
             Slow-roll amplitudes are not subtracted.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such mesh.
         """
         model = self._model()
         meshes = [(mesh["driver"], mesh["driven"]) for mesh in self.description.get("meshes", ())]
@@ -261,11 +256,6 @@ class Synchronous(HarmonicResponse):
         Synchronous
             The response minus the slow-roll amplitudes of each shaft as the source. Bearing forces
             do not change.
-
-        Raises
-        ------
-        SceneError
-            If the speed is not finite.
         """
         slow = number(speed, "speed")
         runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
@@ -297,13 +287,6 @@ class Synchronous(HarmonicResponse):
             A sequence of `Peak` with a table: the peaks on the grid `speeds`, refined by further
             solutions. Each sense of rotation is searched from standstill on. The lowest modes at
             the speed of a peak decide whether it is `stable`.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place or shaft.
-        SceneError
-            If the operating speeds are invalid.
         """
         return self._peaks(self._model(), at, source, operating_range(operating))
 
@@ -501,8 +484,6 @@ class Synchronous(HarmonicResponse):
 
         Raises
         ------
-        SceneError
-            If the kind is unknown.
         GearbowError
             If there is no such place or shaft, or the signals have different units.
         """

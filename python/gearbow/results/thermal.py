@@ -111,11 +111,6 @@ class ThermalStability(WithSpeeds, Figured, ReadOnly):
         -------
         ThermalSpiral
             Temperature difference and vibration over time.
-
-        Raises
-        ------
-        SceneError
-            If an argument is invalid, or the speed is none of the result.
         """
         speed = number(speed, "speed")
         time = np.linspace(0.0, positive(duration, "duration"), whole(count, "count", least=2))

@@ -273,10 +273,6 @@ def dataset(
         card would replace a file that is none.
     GearbowError
         If no sample has signals, or samples have other times or orders than the first one.
-    MissingExtraError
-        If the extra "netcdf" is not installed.
-    OSError
-        If a file cannot be written.
 
     Examples
     --------

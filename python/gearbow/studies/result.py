@@ -347,8 +347,6 @@ class Tradeoff(Result, Generic[S]):
 
         Raises
         ------
-        SceneError
-            If the error is not a positive number.
         GearbowError
             If no setting meets the error.
         """

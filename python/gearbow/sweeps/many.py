@@ -59,8 +59,6 @@ def simulate_many(
 
     Raises
     ------
-    SceneError
-        If a variation or an argument is invalid.
     GearbowError
         The error of `simulate`. Its message begins with the number and the content of the
         variation. This and every other exception has the attribute `.responses`: the list of

@@ -186,8 +186,6 @@ class Sweep(Result, Sequence[SweepPoint]):
         ------
         GearbowError
             If the shape of a value differs between points, or a value has the name of a parameter.
-        MissingExtraError
-            If xarray is not installed.
         """
         named = {name: self.values(name) for name in self._names()}
         return to_xarray(self._points, named)
@@ -298,13 +296,6 @@ class Sweep(Result, Sequence[SweepPoint]):
         ----------
         path : str or path-like
             The file. Its name ends with ".sweep".
-
-        Raises
-        ------
-        GearbowError
-            If the file is damaged or has another content.
-        OSError
-            If the file cannot be opened.
         """
         path, _ = check_name(path, [store.SUFFIX])
         found = store.read(path)

@@ -69,8 +69,6 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         point of the store is a `CheckpointWarning`.
     GearbowError
         If the workers of the executor have ended, or cannot import the functions.
-    OSError
-        If the store cannot be written.
     KeyboardInterrupt
         At Ctrl-C. This and every other exception after the start has the attribute `.sweep`: the
         points computed so far. Analyses in threads end within 0.5 s.

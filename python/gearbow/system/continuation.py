@@ -114,8 +114,6 @@ def continuation(
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     ConvergenceError
         If there is no steady state at `begin`.
     KeyboardInterrupt

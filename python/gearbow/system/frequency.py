@@ -152,10 +152,6 @@ def mesh_response(
 
     Raises
     ------
-    ChannelError
-        If there is no such mesh.
-    SceneError
-        If a speed or harmonic is invalid.
     ConvergenceError
         If the residual of a response exceeds 1e-4.
     """

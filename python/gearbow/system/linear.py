@@ -57,8 +57,6 @@ def matrices(
         If the speed or the frequency is not finite, the dense matrices do not fit into memory,
         sparse ones are asked for with modal damping, whose matrix has no zeros, or a bearing
         needs a frequency.
-    MissingExtraError
-        If sparse matrices are asked for, and SciPy is not installed.
     """
     at = number(speed, "speed"), None if frequency is None else number(frequency, "frequency")
     if truth(sparse, "sparse"):
@@ -301,8 +299,6 @@ def campbell(
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     ConvergenceError
         If the residual of a mode, an intersection or a threshold exceeds the limit of `modes`.
     """
@@ -350,8 +346,6 @@ def critical_speed_map(
 
     Raises
     ------
-    SceneError
-        If the order is zero, or a stiffness or the count is invalid.
     ConvergenceError
         If a mode does not satisfy the equations of motion.
 
@@ -404,8 +398,6 @@ def synchronous(
 
     Raises
     ------
-    SceneError
-        If a speed or the excitation is invalid.
     ConvergenceError
         If the residual of the response to a shaft exceeds 1e-4.
 

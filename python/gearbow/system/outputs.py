@@ -59,13 +59,6 @@ def plot(  # numpydoc ignore=PR01
     matplotlib.figure.Figure
         The figure. It is neither shown nor saved.
 
-    Raises
-    ------
-    GearbowError
-        If `ax` is not one or two Axes.
-    SceneError
-        If `magnify` is not positive and finite.
-
     Examples
     --------
     >>> import gearbow as gb
@@ -147,12 +140,6 @@ def report(
 
     Raises
     ------
-    SceneError
-        If an argument is invalid, or the file has another ending.
-    MissingExtraError
-        If an extra is not installed: "report".
-    OSError
-        If the file cannot be written. An existing file is unchanged.
     KeyboardInterrupt
         After Ctrl-C; the file then has the sections that were finished.
 
@@ -305,12 +292,8 @@ def to_fmu(
 
     Raises
     ------
-    MissingExtraError
-        If pythonfmu3 is not installed (extra ``fmi``).
     SceneError
         If an argument is invalid, or a load is a function of time.
-    OSError
-        If the file cannot be written.
 
     Examples
     --------

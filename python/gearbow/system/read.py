@@ -60,8 +60,6 @@ def read(path: str | os.PathLike[str], **options: Any) -> RotorSystem:
     ------
     SceneError
         If the file is damaged or of another kind, or cannot use an option.
-    OSError
-        If the file cannot be opened.
 
     Warns
     -----

@@ -166,11 +166,6 @@ class RotorSystem(CheckedKeywords, Shown):
     reference, modal_damping, rayleigh, geometric_stiffness, bow_torque, gravity, motion, accuracy
         The given options; None if not given.
 
-    Raises
-    ------
-    SceneError
-        If the description is invalid. The message begins with the path of the entry.
-
     Warns
     -----
     SceneWarning
@@ -359,11 +354,6 @@ class RotorSystem(CheckedKeywords, Shown):
             The keys are the names of the parameters, as in a TOML file; complex numbers may be
             pairs [re, im], and values may be texts with a unit, such as "500 mm".
 
-        Raises
-        ------
-        SceneError
-            If the description is invalid, or has an unknown key.
-
         Warns
         -----
         SceneWarning
@@ -397,8 +387,6 @@ class RotorSystem(CheckedKeywords, Shown):
         SceneError
             If the description is invalid, the file is not TOML, or the file of an elastic housing
             that it names is missing or another one.
-        OSError
-            If the file cannot be opened.
         """
         from gearbow.system.outputs import read_scene  # noqa: PLC0415  # with a TOML parser
 
@@ -437,8 +425,6 @@ class RotorSystem(CheckedKeywords, Shown):
             If the file is not one of ROSS, or has an element that gearbow cannot represent, for
             example a bearing with added mass; the message names it. If the file has several shafts
             and gears, and no mesh is given.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----
@@ -504,8 +490,6 @@ class RotorSystem(CheckedKeywords, Shown):
         SceneError
             If the file is damaged, has a component that gearbow cannot represent, for example a
             ring gear, or does not contain a value that is not given either; the message names it.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----
@@ -546,8 +530,6 @@ class RotorSystem(CheckedKeywords, Shown):
         SceneError
             If the name has another ending, a load is a function of time, or REXS cannot hold an
             essential part, for example a housing, a journal bearing or a support.
-        OSError
-            If the file cannot be written. An existing scene and its files are unchanged.
 
         Warns
         -----
@@ -581,11 +563,6 @@ class RotorSystem(CheckedKeywords, Shown):
         -------
         RotorSystem
             The new system. This system does not change.
-
-        Raises
-        ------
-        SceneError
-            If a name is unknown, or the new system is invalid.
 
         Warns
         -----

@@ -51,8 +51,6 @@ def stresses(
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     ConvergenceError
         If there is no equilibrium, or the residual of a response exceeds 1e-4.
     """

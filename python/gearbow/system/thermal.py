@@ -34,11 +34,6 @@ def thermal_bow(self: System, bow: ThermalBow, speeds: "ArrayLike") -> ThermalSt
         Loop gain and eigenvalue at each speed, from two synchronous responses: that to the bow of
         1 K, and that to bow and unbalance of the system.
 
-    Raises
-    ------
-    SceneError
-        If a speed is invalid, or the journal is not on a shaft.
-
     Warns
     -----
     AccuracyWarning

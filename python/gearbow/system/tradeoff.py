@@ -86,8 +86,6 @@ def tradeoff(  # numpydoc ignore=PR01
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     GearbowError
         If the budget is too short for a reference.
     KeyboardInterrupt
