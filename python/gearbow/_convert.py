@@ -192,7 +192,7 @@ def _remedy(value: object, path: str) -> str:
         return f"; write {shown(value[0])} without brackets"
     if not isinstance(value, str):
         return ""
-    from gearbow.units.parse import parsed  # noqa: PLC0415  # only for this message
+    from gearbow.units.parse import FUNCTIONS, parsed  # noqa: PLC0415  # only for this message
 
     try:
         plain = f"{parsed(value, path, bare=True):.12g}"
@@ -202,7 +202,7 @@ def _remedy(value: object, path: str) -> str:
     unit = unit_of(path)
     text = f"; write {plain} without quotes{'' if unit in (None, '1') else f' [{unit}]'}"
     number, _, given = value.strip().partition(" ")
-    function = {"mm": "mm", "rpm": "rpm", "deg": "degrees", "°": "degrees"}.get(given)
+    function = FUNCTIONS.get(given)
     return text if function is None else f"{text}, or gb.{function}({number})"
 
 

@@ -200,8 +200,7 @@ class Result(Shown):
         count : int, optional
             Number of rows; None is all.
         speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speed was given. An error for a result without
-            speeds.
+            Unit of speeds; None is that in which the speed was given. Not for results without any.
 
         Returns
         -------
@@ -351,8 +350,7 @@ class Figured(Result):
         ax : Axes or sequence of Axes, optional
             One for each panel of the figure; None makes a new figure.
         speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speed was given. An error for a result without
-            speeds.
+            Unit of speeds; None is that in which the speed was given. Not for results without any.
 
         Returns
         -------

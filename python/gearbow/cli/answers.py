@@ -37,7 +37,7 @@ from gearbow.exchange.rexs import RexsContents, rexs_contents
 from gearbow.identification.identify import identify as identified
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.unknown import parse
-from gearbow.machines.examples import example, scene_files
+from gearbow.machines.examples import described, example, scene_files
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.studies.result import Tradeoff
@@ -99,11 +99,8 @@ def new(given: argparse.Namespace) -> Answer:
     path, _ = check_name(given.path, [".toml"])
     if path.exists() and not given.force:
         raise SceneError(f"{path}: exists; give another name, or --force to replace it")
-    source, speed = EXAMPLE, "1500 rpm"
-    if given.example is not None:
-        machine = example(given.example)
-        source = machine.path
-        speed = speed_text(machine.speed, given_unit(machine.speed) or "rad/s")
+    machine = described(EXAMPLE) if given.example is None else example(given.example)
+    source, speed = machine.path, speed_text(machine.speed, given_unit(machine.speed) or "rad/s")
     # A scene names the files of its elastic housings, which stand beside it.
     bodies = source.parent.glob(f"{source.stem}.housing*.npz")
     for given_file, target in (

@@ -25,8 +25,8 @@ from gearbow.units.speed import (
     as_given,
     given_unit,
     other_unit,
+    parsed_speed,
     speed_factor,
-    unit_in_texts,
 )
 
 #: What adds an argument, or several, to the parser of a command.
@@ -49,21 +49,18 @@ def number(name: str, default: int, text: str) -> Argument:
 
 
 def quantity(field: str) -> Callable[[str], float]:
-    """Make the type of an argument with a unit."""
+    """Make the type of an argument with a unit; a plain number is in SI units."""
 
     def read(text: str) -> float:  # numpydoc ignore=GL08
         try:
-            return parsed(text, field, bare=True)
+            return (parsed_speed if field == "speed" else parsed)(text, field, bare=True)
         except SceneError as error:
             raise argparse.ArgumentTypeError(str(error).removeprefix(f"{field}: ")) from None
 
     return read
 
 
-def speed(text: str) -> float:
-    """Read a speed; a plain number is in rad/s."""
-    found: float = as_given(quantity("speed")(text), unit_in_texts(text))
-    return found
+speed = quantity("speed")
 
 
 def spectrum_case(text: str) -> tuple[float, float, float]:

@@ -10,11 +10,11 @@ from gearbow._lookup import one_of
 from gearbow._types import At, StrengthLine
 from gearbow.description.part import Part
 from gearbow.description.places import place
-from gearbow.units.speed import speed_factor
+from gearbow.units.speed import PER_MINUTE, speed_factor
 
-#: Peak-to-peak displacement of a shaft relative to its bearing: factor over √n with the speed n in
-#: rpm, and the largest value [m]. ISO 20816-3 (before: ISO 7919-3), boundaries of its zones; API
-#: 617, √(12000/n) mil and at most 1 mil.
+#: Peak-to-peak displacement of a shaft relative to its bearing: factor over √n with the speed n
+#: [1/min], and the largest value [m]. ISO 20816-3 (before: ISO 7919-3), boundaries of its zones;
+#: API 617, √(12000/n) mil and at most 1 mil.
 DISPLACEMENTS = {
     "ISO 20816-3 A/B": (4800e-6, math.inf),
     "ISO 20816-3 B/C": (9000e-6, math.inf),
@@ -26,7 +26,7 @@ DISPLACEMENTS = {
 def largest_displacement(standard: str, speed: float) -> float:
     """Give the largest peak-to-peak displacement [m] of a shaft at its speed [rad/s]."""
     factor, largest = DISPLACEMENTS[standard]
-    turns = speed_factor("rpm") * abs(speed)
+    turns = speed_factor(PER_MINUTE) * abs(speed)
     return min(factor / math.sqrt(turns) if turns else math.inf, largest)
 
 
@@ -101,8 +101,8 @@ class BowLimit(Part):
             A gear, disk, support, housing or point of a housing by name, or (shaft, position [m]).
         limit : float or str
             Peak-to-peak displacement [m]; or "ISO 20816-3 A/B", "ISO 20816-3 B/C", "ISO 20816-3
-            C/D" (4800, 9000 and 13200 µm over √n with the speed n of the shaft in rpm) or "API 617"
-            (25.4 µm √(12000/n), at most 25.4 µm).
+            C/D" (4800, 9000 and 13200 µm over √n with the speed n [1/min] of the shaft), or
+            "API 617" (25.4 µm √(12000/n), at most 25.4 µm).
         angle : float, optional
             Direction of the probe, from y towards z [rad]; None is the direction with the largest
             displacement.

@@ -25,7 +25,7 @@ from gearbow.exchange.rexs_file import (
 )
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
 from gearbow.exchange.rexs_planetary import Planets, with_orbits
-from gearbow.units.speed import as_given, speed_text
+from gearbow.units.speed import PER_MINUTE, as_given, speed_text
 
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {
@@ -60,7 +60,7 @@ class LoadCase(Shown):
         Number in the order of the file, from 1.
     speed : float or None
         Speed of the reference shaft, positive about +x [rad/s]; None if the file has none. Results
-        at this speed show speeds in rpm.
+        at this speed show speeds in 1/min.
     torques : dict of str to float
         The given torques, positive about +x [N m], by the name of the load.
 
@@ -76,7 +76,7 @@ class LoadCase(Shown):
     torques: dict[str, float]
 
     def __str__(self) -> str:
-        speed = "no speed" if self.speed is None else speed_text(self.speed, "rpm")
+        speed = "no speed" if self.speed is None else speed_text(self.speed, PER_MINUTE)
         torques = [f'"{name}" {torque:.6g} N m' for name, torque in self.torques.items()]
         return f"load case {self.number}: {', '.join([speed, *torques])}"
 
@@ -521,8 +521,8 @@ class _Train:
         shaft = case[self.reference.id]
         if not shaft.has("rotational_speed"):
             return None
-        # REXS has speeds in 1/min: results at this speed show them in rpm.
-        found: float = as_given(shaft.number("rotational_speed", "speed"), "rpm")
+        # REXS has speeds in 1/min: results at this speed show them so.
+        found: float = as_given(shaft.number("rotational_speed", "speed"), PER_MINUTE)
         return found
 
     def _loads(self, case: Mapping[int, Component]) -> list[Component]:

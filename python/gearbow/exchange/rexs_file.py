@@ -22,6 +22,7 @@ from gearbow._files import check_name, parsing
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 from gearbow.units.parse import parsed
+from gearbow.units.speed import PER_MINUTE
 
 #: Endings of the three formats; the last one is another name of the third.
 ENDINGS = (".rexs", ".rexsj", ".rexsz", ".zip")
@@ -34,7 +35,7 @@ _UNITS = {
     "": "1",
     "none": "1",
     "mum": "um",
-    "1 / min": "rpm",
+    "1 / min": PER_MINUTE,
     "rad / s": "rad/s",
     "kg / dm^3": "g/cm^3",
     "kW": "kN m",  # of a power, which is divided by a speed

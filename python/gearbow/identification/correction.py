@@ -75,8 +75,8 @@ class TrialInfluence(Figured, ReadOnly):
     half_widths : ndarray, shape (k,)
         Half width of the 95 % interval of each component of the measured one, which follows from
         the noise of both runs [m/(kg m)].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables.
+    speed_unit : str
+        Unit of speeds in tables, as for `table`.
 
     Examples
     --------
@@ -170,8 +170,8 @@ class Correction(Figured, ReadOnly, Generic[S]):
         Influence coefficients of the model: amplitudes along y and z per unbalance [m/(kg m)].
     system : RotorSystem
         The identified system with the weights.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`.
     trials : TrialInfluence, optional
         Influence coefficients of the trial runs beside those of the model; None without runs that
         have one trial weight each.

@@ -21,7 +21,7 @@ from gearbow.errors import AccuracyWarning, SceneError, warn
 from gearbow.exchange.tables import DETECTIONS, VIBRATION, NamedColumns, Table, read_table
 from gearbow.sensors import Probe, Tacho
 from gearbow.units.parse import parsed
-from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
+from gearbow.units.speed import SpeedUnit, given_unit, speed_factor, unit_in_texts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,8 +83,8 @@ class Measurement(Figured, ReadOnly):
         disk or (shaft, position [m]).
     slow_roll : float, optional
         Speed whose amplitudes were subtracted from all others [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`.
 
     Examples
     --------
@@ -250,7 +250,7 @@ class Measurement(Figured, ReadOnly):
             lines[row, column] = i
             table[row, column] = vector
         _warn_of_missing(table, speeds, known, str(path))
-        unit: SpeedUnit = "rpm" if found.units["speed"].strip() == "rpm" else "rad/s"
+        unit = unit_in_texts(f"1 {found.units['speed']}")
         return cls(speeds, table, known, references=references, speed_unit=unit, **options)
 
     @classmethod

@@ -108,8 +108,8 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         Fitted amplitudes [m]; NaN where none was measured.
     system : RotorSystem
         The system with the identified values.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`.
     left_out : tuple of str
         Excitations of the system that the model of the vibration does not contain.
 

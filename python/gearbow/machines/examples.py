@@ -8,11 +8,11 @@ from gearbow._lookup import nearest
 from gearbow._shown import Shown
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
-from gearbow.units.speed import rpm
+from gearbow.units.speed import parsed_speed
 
 #: First line of a file: what the machine is. Its line with the rated speed.
 _TITLE = re.compile(r"# (.+?)\.?\n")
-_SPEED = re.compile(r"^# Rated speed: ([\d.]+) (rpm|rad/s)", re.MULTILINE)
+_SPEED = re.compile(r"^# Rated speed: ([\d.]+ [a-z/]+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def examples() -> dict[str, Example]:
     >>> system.speed_ratios.round(2)
     array([  1.  , -14.26])
     """
-    return {name: _read(path) for name, path in scene_files().items()}
+    return {name: described(path) for name, path in scene_files().items()}
 
 
 def scene_files() -> dict[str, Path]:
@@ -72,14 +72,13 @@ def scene_files() -> dict[str, Path]:
     return {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}
 
 
-def _read(path: Path) -> Example:
-    """Read title and rated speed from the header of a file."""
+def described(path: Path) -> Example:
+    """Give a machine with the title and the rated speed in the header of its file."""
     header = path.read_text(encoding="utf-8")
     title, found = _TITLE.match(header), _SPEED.search(header)
     if title is None or found is None:
         raise SceneError(f"{path}: the header must name the machine and its rated speed")
-    value = float(found[1])
-    return Example(path.stem, title[1], rpm(value) if found[2] == "rpm" else value, path)
+    return Example(path.stem, title[1], parsed_speed(found[1], "speed"), path)
 
 
 def example(name: str) -> Example:
@@ -91,4 +90,4 @@ def example(name: str) -> Example:
         raise SceneError(
             f"example: there is no machine {name!r}{few}; there are {', '.join(known)}"
         )
-    return _read(known[matches[0]])
+    return described(known[matches[0]])

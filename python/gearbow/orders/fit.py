@@ -207,8 +207,8 @@ class Orders(WithSpeeds, Result, ReadOnly):
             Number of orders; None is 12 bars or 6 lines.
         ax : Axes, optional
             Panel for the figure; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is `speed_unit` of the result.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the result.
 
         Returns
         -------

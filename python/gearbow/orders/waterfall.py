@@ -85,8 +85,8 @@ class Waterfall(WithSpeeds, Result, ReadOnly):
             Largest frequency of the figure [Hz]; None includes all visible amplitudes.
         ax : Axes, optional
             Panel for the diagram; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------

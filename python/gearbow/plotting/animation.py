@@ -22,7 +22,7 @@ from gearbow.description.train import Train
 from gearbow.plotting import views
 from gearbow.plotting.style import PALETTE, STYLE, colour, plain_texts, round_factor
 from gearbow.plotting.views import bows
-from gearbow.units.speed import speed_text
+from gearbow.units.speed import PER_MINUTE, speed_text
 
 #: Size of a frame [in] and its resolution [dot/in].
 _SIZE, _DPI = (11.0, 5.0), 80
@@ -92,7 +92,7 @@ def frames(motion: Motion, magnify: float | None) -> Iterator[Image.Image]:
 
 def _title(motion: Motion, n: int, factor: float) -> str:
     return (
-        f"t = {motion.time[n]:.4f} s, {speed_text(motion.speed[n], 'rpm', '.0f')}; "
+        f"t = {motion.time[n]:.4f} s, {speed_text(motion.speed[n], PER_MINUTE, '.0f')}; "
         f"motion and bow × {factor:g}, slowed down {motion.slow:.3g} times"
     )
 

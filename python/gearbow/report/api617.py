@@ -1,7 +1,7 @@
 """Unbalance placement and level 1 of the stability analysis of API 617, for a report.
 
 API Standard 617 (2002) and API RP 684 (2005). The unbalance of the response analysis is twice
-6350 W/N [g mm], with the mass W on the journals [kg] and the highest continuous speed N [rpm].
+6350 W/N [g mm], with the mass W on the journals [kg] and the highest continuous speed N [1/min].
 Level 1 raises a cross-coupled stiffness in the middle of the rotor until the first forward mode
 loses its damping.
 """
@@ -24,9 +24,9 @@ from gearbow.report.page import Block, Table, note, picture
 from gearbow.report.shared import Contents
 from gearbow.report.texts import say
 from gearbow.results.modes import Modes
-from gearbow.units.speed import speed_factor
+from gearbow.units.speed import PER_MINUTE, speed_factor
 
-#: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
+#: Unbalance of the response analysis: W/N times this [g mm/(kg min)].
 _UNBALANCE = 2.0 * 6350.0
 #: Displacement of a second plane from which it has half the unbalance, relative to the largest.
 _SECOND_PLANE = 0.5
@@ -69,8 +69,8 @@ def unbalance(contents: Contents) -> Iterator[Block]:
                 lacks=lacks,
             )
             continue
-        rpm = abs(ratio * speed) * speed_factor("rpm")
-        amount = 1e-6 * _UNBALANCE * mass / rpm
+        turns = abs(ratio * speed) * speed_factor(PER_MINUTE)
+        amount = 1e-6 * _UNBALANCE * mass / turns
         chosen = _planes(contents.modes, mode, own)
         planes |= {name: amount * share for name, share in chosen.items()}
         first[shaft.name] = next(iter(chosen))
@@ -79,7 +79,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
             name if share.real > 0 else say("{name} (opposite)", name=name)
             for name, share in chosen.items()
         )
-        rows.append((shaft.name, mass, rpm, hertz, whirl, places, 1e6 * amount))
+        rows.append((shaft.name, mass, turns, hertz, whirl, places, 1e6 * amount))
     if not rows:
         return
     names, masses, speeds, frequencies, whirls, at, amounts = zip(*rows, strict=True)
@@ -88,7 +88,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
         [
             Column("shaft", names),
             Column("mass W", np.array(masses), "kg"),
-            Column("speed N", np.array(speeds), "rpm", ".5g"),
+            Column("speed N", np.array(speeds), PER_MINUTE, ".5g"),
             Column("mode", np.array(frequencies), "Hz", ".4g"),
             Column("whirl", whirls),
             Column("planes", at),

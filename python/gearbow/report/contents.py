@@ -28,7 +28,7 @@ from gearbow.results.bow_limits import BowLimits
 from gearbow.results.campbell import Intersection
 from gearbow.results.modes import Modes
 from gearbow.results.peak import marks
-from gearbow.units.speed import speed_factor
+from gearbow.units.speed import PER_MINUTE, speed_factor
 
 #: Damping ratio from which a mode is no resonance, and number of critical speeds of the summary.
 _OVERDAMPED, _NAMED = 0.7, 6
@@ -50,7 +50,7 @@ def drawing(contents: Contents) -> Iterator[Block]:
         row.append(", ".join(f"{gear.name} ({gear.teeth})" for gear in gears))
         teeth = [tooth[gear.name] * (abs(turns) or 1.0) for gear in gears]
         rows.append([*row, ", ".join(dict.fromkeys(f"{each:.6g}" for each in teeth))])
-    head = ["shaft", "speed ratio", "speed [rpm]", "1× [Hz]", "gears (teeth)"]
+    head = ["shaft", "speed ratio", f"speed [{PER_MINUTE}]", "1× [Hz]", "gears (teeth)"]
     title = say("Shafts and tooth frequencies")
     if contents.speed:
         speed = contents.text(contents.speed)

@@ -70,7 +70,7 @@ class RatedBearing(Shown):
     >>> shaft = gb.Shaft("rotor", length=0.5, outer_diameter=0.04)
     >>> force = gb.Force(("rotor", 0.25), -4000j)
     >>> system = gb.RotorSystem([shaft], bearings=bearings, forces=[force])
-    >>> one = system.bearing_life(gb.rpm(1500)).bearing(("rotor", 0.0))
+    >>> one = system.bearing_life(157.08).bearing(("rotor", 0.0))
     >>> f"C {one.dynamic_rating / 1e3:.1f} kN, {one.rating}; {one.hours:.0f} h"
     'C 32.5 kN, catalogue; 47678 h'
     """
@@ -153,7 +153,7 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> found = gb.examples()["coaxial_reducer"].load().bearing_life(gb.rpm(1234))
+    >>> found = gb.examples()["coaxial_reducer"].load().bearing_life(129.22)
     >>> found.shortest.at
     ('input', 0.065)
     """

@@ -370,8 +370,8 @@ class Campbell(WithSpeeds, Result, ReadOnly):
         ----------
         ax : sequence of two Axes, optional
             Panels for frequencies and damping ratios; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the given ones.
         operating : float or tuple of (float, float), optional
             Operating speed of the reference shaft, or the lowest and the highest [rad/s], which
             the figure shades. The excitation lines reach at least to it.

@@ -170,8 +170,8 @@ class Continuation(WithSpeeds, Stored):
             Quantity, as for `Response.spectrum`.
         statistic : {"min", "max", "mean", "rms"}, optional
             Number that describes the signal; None is the amplitude.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of a branch over the speed; None is that in which it was given.
+        speed_unit : str, optional
+            Unit of the axis of a branch over the speed, as for `table`; None is the given one.
         ax : Axes, optional
             Panel for the branch; None makes a new figure.
 

@@ -175,8 +175,8 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
             Number of lines for each whirl.
         ax : Axes, optional
             Panel for the map; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------

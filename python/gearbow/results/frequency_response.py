@@ -168,8 +168,8 @@ class FrequencyResponse(HarmonicResponse):
             over frequency and speed, of a response with both axes.
         ax : Axes or sequence of Axes, optional
             Two panels for "bode", one for the others; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------

@@ -86,8 +86,8 @@ def plot(
     ax : Axes or sequence of Axes, optional
         One panel for each place, for a bearing two, for a mesh three and for its geometry four;
         for section forces four rows with a panel for each shaft; None makes a new figure.
-    speed_unit : {"rad/s", "rpm"}, optional
-        Unit of the axis of speeds; None is `speed_unit` of the response.
+    speed_unit : str, optional
+        Unit of the axis of speeds, as for `table`; None is that of the result.
 
     Returns
     -------

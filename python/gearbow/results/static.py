@@ -313,8 +313,8 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
             each of them, with gears, disks and bearings marked.
         ax : Axes or sequence of Axes, optional
             One for each panel of the figure; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speed was given.
+        speed_unit : str, optional
+            Unit of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------
@@ -383,7 +383,7 @@ class Efficiency(WithSpeeds, Figured, ReadOnly):
     >>> bearings = [gb.Bearing(name, x, stiffness=1e9) for name, x in places]
     >>> torques = [gb.Torque("pinion", 100.0), gb.Torque.balance("wheel")]
     >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
-    >>> found = system.efficiency(gb.rpm(3000))
+    >>> found = system.efficiency(314.16)
     >>> print(f"{100 * found.efficiency[0]:.2f} %, H_v = {found.loss_factor[0, 0]:.4f}")
     99.31 %, H_v = 0.1386
     """

@@ -375,8 +375,8 @@ class Synchronous(HarmonicResponse):
             the figure shades.
         ax : sequence of two Axes, optional
             Panels for phase and amplitude; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------
@@ -474,8 +474,8 @@ class Synchronous(HarmonicResponse):
             others.
         ax : Axes or sequence of Axes, optional
             One panel for each place, two for "bode", one for "polar"; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------

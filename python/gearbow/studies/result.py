@@ -271,8 +271,8 @@ class Tradeoff(Result, Generic[S]):
         Speed of the reference shaft [rad/s].
     signals : tuple of str
         Names of the compared signals.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`: that in which the speed was given.
 
     Examples
     --------

@@ -37,7 +37,7 @@ def bearing_life(
         Speed of the reference shaft [rad/s]. Give it, or a spectrum.
     spectrum : sequence of (speed, torque, share), optional
         Speed of the reference shaft [rad/s], torque [N m] and share of the time of each case;
-        texts with a unit such as "1500 rpm" and "30 %" are possible. The torque is that of the
+        texts with a unit such as "30 %" are possible. The torque is that of the
         first constant torque on the reference shaft, or the first constant one in `torques` if
         there is none on it. All constant torques are scaled in the same proportion, and
         `Torque.balance` follows; forces and gravity stay the same. The shares must sum to 1.
@@ -80,7 +80,7 @@ def bearing_life(
     >>> bearings = [gb.RollingBearing("rotor", x, "6208") for x in (0.0, 0.5)]
     >>> force = gb.Force(("rotor", 0.25), -4000j)
     >>> system = gb.RotorSystem([shaft], bearings=bearings, forces=[force])
-    >>> print(f"{system.bearing_life(gb.rpm(1500)).shortest.hours:.0f} h")
+    >>> print(f"{system.bearing_life(157.08).shortest.hours:.0f} h")
     47678 h
     """
     if (speed is None) == (spectrum is None):

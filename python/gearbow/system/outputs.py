@@ -152,7 +152,7 @@ def report(
     --------
     >>> import gearbow as gb
     >>> system = gb.examples()["bowed_rotor"].load()
-    >>> system.report("rotor.html", operating=gb.rpm(4000))  # doctest: +SKIP
+    >>> system.report("rotor.html", operating=418.9)  # doctest: +SKIP
     """
     file, _ = check_name(path, [".html"])
     check_output(file)

@@ -223,7 +223,7 @@ class RotorSystem(CheckedKeywords, Shown):
     gravity: float | tuple[float, float] | None
     motion: str | None
     accuracy: str
-    #: Unit of speeds in tables and figures: rpm if the texts of the scene have it.
+    #: Unit of speeds in tables and figures, that in the texts of the scene.
     _speed_unit: SpeedUnit = "rad/s"
     #: What the reader of a file assumed or left out.
     _notes: tuple[str, ...] = ()
