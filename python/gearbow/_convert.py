@@ -78,11 +78,11 @@ def number(value: object, path: str, *, infinite: bool = False) -> float:
     return found
 
 
-def positive(value: object, path: str, below: float = math.inf) -> float:
-    """Convert one positive, finite number, less than `below`."""
-    found = number(value, path)
-    if not 0.0 < found < below:
-        bound = "positive and finite" if math.isinf(below) else f"between 0 and {below:g}"
+def positive(value: object, path: str, below: float = math.inf, *, infinite: bool = False) -> float:
+    """Convert one positive number less than `below`, finite unless `infinite` is set."""
+    found = number(value, path, infinite=infinite)
+    if not (0.0 < found < below or found == below == math.inf):
+        bound = "positive" if math.isinf(below) else f"between 0 and {below:g}"
         raise SceneError(f"{path}: must be {bound}, got {value!r}")
     return found
 

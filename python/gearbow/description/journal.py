@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import number
+from gearbow._convert import number, positive
 from gearbow._core import film_coefficients, squeeze_force
 from gearbow._extras import extra
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, FilmModel, Profile, Reduction, Rupture
 from gearbow.description.part import Part, freeze
 from gearbow.description.places import Base, Support
-from gearbow.errors import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -568,14 +567,8 @@ class SqueezeFilm(Support):
         SqueezeCoefficients
             Stiffness and damping.
         """
-        ratio, whirl = (
-            number(eccentricity_ratio, "eccentricity_ratio"),
-            number(frequency, "frequency"),
-        )
-        if not 0.0 < ratio < 1.0:
-            raise SceneError(f"eccentricity_ratio: must be between 0 and 1, got {ratio}")
-        if not whirl > 0.0:
-            raise SceneError(f"frequency: must be positive, got {whirl}")
+        ratio = positive(eccentricity_ratio, "eccentricity_ratio", 1.0)
+        whirl = positive(frequency, "frequency")
         plain = self._in_si("support")
         given = {"mass": 0.0, "stiffness": 0.0, **self._describe("support")}
         radius = ratio * plain.clearance

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, function, matrix, number, real, shown
+from gearbow._convert import array, function, matrix, number, positive, real, shown
 from gearbow._core import check_speed, table_at_frequency
 from gearbow._lookup import one_of
 from gearbow._shown import ReadOnly
@@ -83,9 +83,7 @@ class SpeedProfile(ReadOnly):
         begin : float
             Time at which the change begins [s].
         """
-        begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
-        if not duration > 0.0:
-            raise SceneError(f"speed.duration: must be positive, got {duration!r}")
+        begin, duration = number(begin, "speed.begin"), positive(duration, "speed.duration")
         return cls.table(
             [begin, begin + duration], [number(start, "speed.start"), number(end, "speed.end")]
         )
@@ -137,9 +135,7 @@ class SpeedProfile(ReadOnly):
         SceneError
             If `f` is no function, is discontinuous, or has a value that is not finite.
         """
-        begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
-        if not duration > 0.0:
-            raise SceneError(f"speed.duration: must be positive, got {duration!r}")
+        begin, duration = number(begin, "speed.begin"), positive(duration, "speed.duration")
         function(f, "speed.f")
         left, coefficients = sampled(f, np.linspace(begin, begin + duration, _FIRST + 1), "speed")
         return cls(np.append(left, begin + duration), coefficients)

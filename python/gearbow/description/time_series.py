@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, function, nested, number, shown, whole
+from gearbow._convert import array, function, nested, number, positive, shown, whole
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.description.speed import evaluated, sampled
@@ -81,9 +81,7 @@ class TimeSeries(Part):
         SceneError
             If `f` is no function, is discontinuous, or has a value that is not finite.
         """
-        begin, duration = number(begin, f"{path}.begin"), number(duration, f"{path}.duration")
-        if not duration > 0.0:
-            raise SceneError(f"{path}.duration: must be positive, got {duration!r}")
+        begin, duration = number(begin, f"{path}.begin"), positive(duration, f"{path}.duration")
         function(f, f"{path}.f")
         first = np.linspace(begin, begin + duration, 33)
         pieces = [

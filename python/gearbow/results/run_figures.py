@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import positive
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
@@ -260,7 +260,7 @@ def animate(
         from gearbow.plotting import animation  # noqa: PLC0415
 
     path, ending = check_name(path, [".gif", ".html"])
-    length, rate = _positive(duration, "duration"), _positive(fps, "fps")
+    length, rate = positive(duration, "duration"), positive(fps, "fps")
     if rate > 50.0:
         raise SceneError(f"fps: must be at most 50, got {rate:g}")
     count = max(2, round(length * rate))
@@ -269,7 +269,7 @@ def animate(
             f"duration: {length:g} s with {rate:g} frames per second are {count} frames, at most "
             f"{MOST_FRAMES} are possible; give a shorter duration"
         )
-    factor = None if magnify is None else _positive(magnify, "magnify")
+    factor = None if magnify is None else positive(magnify, "magnify")
     motion = _motion(run, mesh, _span(run, times), count, length)
     drawn = list(animation.frames(motion, factor))
     with replacing(path) as file:
@@ -277,13 +277,6 @@ def animate(
             animation.write_gif(drawn, file, fps=rate)
         else:
             animation.write_html(drawn, file, fps=rate, title="gearbow: train in motion")
-
-
-def _positive(value: object, path: str) -> float:
-    found = number(value, path)
-    if not found > 0.0:
-        raise SceneError(f"{path}: must be positive, got {found:g}")
-    return found
 
 
 def _motion(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import number, text, whole
+from gearbow._convert import number, positive, text, whole
 from gearbow._core import (
     KeptModes,
     common_period,
@@ -121,9 +121,7 @@ def continuation(
     """
     _check(parameter, begin, end, speed)
     begin, end = number(begin, "begin"), number(end, "end")
-    length, most = number(first_step, "first_step"), whole(max_points, "max_points")
-    if not length > 0.0:
-        raise SceneError(f"first_step: must be positive, got {length}")
+    length, most = positive(first_step, "first_step"), whole(max_points, "max_points")
     at = begin if speed is None else number(speed, "speed")
     text(geometry, "geometry")
     periods = whole(periods, "periods")

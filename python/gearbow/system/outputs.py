@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, copied, number, showing, text, whole
+from gearbow._convert import array, copied, positive, showing, text, whole
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, reading
@@ -72,9 +72,7 @@ def plot(  # numpydoc ignore=PR01
         from gearbow.plotting import train as figures  # noqa: PLC0415
 
     if magnify is not None:
-        magnify = number(magnify, "magnify")
-        if not magnify > 0.0:
-            raise SceneError(f"magnify: must be positive, got {magnify!r}")
+        magnify = positive(magnify, "magnify")
     train = Train.of(self._model.description(), self.speed_ratios)
     return figures.draw(train, magnify, ax)
 

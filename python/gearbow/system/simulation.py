@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import number, text, whole
+from gearbow._convert import number, positive, text, whole
 from gearbow._core import require_memory
 from gearbow._progress import reported, working
 from gearbow._times import distinct, grid
@@ -279,9 +279,7 @@ def _checkpoint(
     identity: Mapping[str, Any],
 ) -> "AbstractContextManager[Checkpoint | None]":
     """Open the checkpoint file of this run; None without a path."""
-    interval = number(interval, "checkpoint_interval", infinite=True)
-    if not interval > 0.0:
-        raise SceneError(f"checkpoint_interval: must be positive, got {interval}")
+    interval = positive(interval, "checkpoint_interval", infinite=True)
     if path is None:
         return nullcontext()
     from gearbow.system.run import Checkpoint  # noqa: PLC0415  # with libraries for files

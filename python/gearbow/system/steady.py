@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import LARGEST_COUNT, number, text, whole
+from gearbow._convert import LARGEST_COUNT, number, positive, text, whole
 from gearbow._core import (
     common_period,
     has_constant_coefficients,
@@ -270,9 +270,7 @@ def _period(
 ) -> tuple[float, "Superposition | float | None"]:
     """Give the period; without one, the duration of the record, and the sources or `slowest`."""
     if given is not None:
-        given = number(given, "period")
-        if not given > 0.0:
-            raise SceneError(f"period: must be positive, got {given}")
+        given = positive(given, "period")
     try:
         return common_period(system._model, speed, given, longest), None
     except SceneError:
@@ -289,9 +287,7 @@ def period_samples(system: System, period: float, speed: float, output_step: flo
     """Give the number of recorded instants in a period."""
     if output_step is None:
         output_step = system._model.default_output_step(period, speed, 0.0)
-    output_step = number(output_step, "output_step")
-    if not output_step > 0.0:
-        raise SceneError(f"output_step: must be positive, got {output_step}")
+    output_step = positive(output_step, "output_step")
     samples = period / output_step * (1.0 - 1e-12)
     if samples > LARGEST_COUNT:
         raise SceneError(

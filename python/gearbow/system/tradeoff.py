@@ -136,9 +136,7 @@ def tradeoff(  # numpydoc ignore=PR01
         degrees=orders,
         modes=_modes(modes, names, self),
     )
-    seconds = number(budget, "budget", infinite=True)
-    if not seconds > 0.0:
-        raise SceneError(f"budget: must be positive, got {budget!r}")
+    seconds = positive(budget, "budget", infinite=True)
     return Study(
         system=self,
         duration=duration,
