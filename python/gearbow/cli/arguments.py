@@ -14,7 +14,7 @@ from gearbow._types import Array
 from gearbow.accuracy import LEVELS
 from gearbow.cli.systems import add_options
 from gearbow.errors import GearbowError, SceneError
-from gearbow.recording import file
+from gearbow.recording import container
 from gearbow.recording.container import ARCHIVE, EXPORT, require_netcdf
 from gearbow.results.response import Response
 from gearbow.results.run_figures import PLOT_KINDS
@@ -216,7 +216,7 @@ def is_run(path: Path) -> bool:
 
 def read_run(path: Path) -> Response | SteadyState:
     """Read the file of `run --out`, `run --checkpoint` or `steady --out`."""
-    run, about = file.read(path, "run")
+    run, about = container.read(path, "run")
     if "branch" in about:
         raise SceneError(f"{path}: is a branch of steady states; read it with Continuation.load")
     return SteadyState.load(path) if "steady" in about else Response._from_record(run)

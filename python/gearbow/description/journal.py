@@ -116,10 +116,10 @@ class FilmCoefficients(ReadOnly):
         >>> figure = bearing.coefficients(load=5000.0, speed=300.0).plot()
         """
         with extra("plot"):
-            from gearbow.plotting import film  # noqa: PLC0415
+            from gearbow.plotting.analyses import film  # noqa: PLC0415
         place = self.eccentricity_ratio * self.clearance
         y, z = place * np.sin(self.attitude_angle), -place * np.cos(self.attitude_angle)
-        return film.film(self.pads, (float(y), float(z)), self.clearance, ax=ax)
+        return film(self.pads, (float(y), float(z)), self.clearance, ax=ax)
 
 
 def _coefficients(

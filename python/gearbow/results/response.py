@@ -50,10 +50,10 @@ class Stored(Result):
         raise NotImplementedError
 
     def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+        from gearbow.recording import container  # noqa: PLC0415  # only files need its libraries
 
         run, more = self._stored()
-        file.save(run, path, **more)
+        container.save(run, path, **more)
 
     def _dataset(self) -> "xr.Dataset":
         run, more = self._stored()
@@ -81,9 +81,9 @@ class Stored(Result):
             If the file is damaged or has another content; the message names the file and the
             problem. The check comes before any memory is allocated for the arrays of the file.
         """
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+        from gearbow.recording import container  # noqa: PLC0415  # only files need its libraries
 
-        return cls._restored(*file.read(path), path)
+        return cls._restored(*container.read(path), path)
 
 
 class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):

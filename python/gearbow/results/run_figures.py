@@ -26,8 +26,8 @@ from gearbow.units.speed import SpeedUnit, showing_in
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from gearbow.plotting.analyses import Course
     from gearbow.plotting.animation import Motion
-    from gearbow.plotting.sections import Course
 
 
 #: Quantities of the figures of meshes.
@@ -121,7 +121,7 @@ def plot(
         forces = {place_label(one): access.bearing_force(run, one)[cut] for one in bearings}
         return figures.bearings(axis, forces, ax=ax)
     if kind == "section forces":
-        from gearbow.plotting.sections import section_forces  # noqa: PLC0415
+        from gearbow.plotting.analyses import section_forces  # noqa: PLC0415
 
         begin = 0 if skip_time is None else skipped
         shafts = run.recorded_shafts if at is None else places(at)
@@ -150,7 +150,7 @@ def plot(
 
 def _course(run: RunRecord, shaft: str, cut: slice, begin: int) -> "Course":
     """Give the smallest and largest section forces of a shaft from a time on, and what is on it."""
-    from gearbow.plotting.sections import Course  # noqa: PLC0415  # with the extra "plot"
+    from gearbow.plotting.analyses import Course  # noqa: PLC0415  # with the extra "plot"
 
     sections, forces = access.section_forces(run, shaft)
     bodies = [(x, ", ".join(names)) for name, x, names in run.data["points"] if name == shaft]

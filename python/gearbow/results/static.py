@@ -323,7 +323,7 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         """
         one_of(kind, get_args(StaticFigure), "kind")
         with extra("plot"):
-            from gearbow.plotting import sections, shapes  # noqa: PLC0415
+            from gearbow.plotting import analyses, shapes  # noqa: PLC0415
 
         with self._showing(speed_unit):
             if kind == "deflection":
@@ -335,10 +335,10 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
                     (one.position, one.name) for one in self._layout.bodies if one.shaft == name
                 ]
                 bearings = [(x, "bearing") for shaft, x in self._data["bearings"] if shaft == name]
-                courses[name] = sections.Course(
+                courses[name] = analyses.Course(
                     found.positions, found.values, found.values, [*bodies, *bearings]
                 )
-            return sections.section_forces(courses, ax=ax)
+            return analyses.section_forces(courses, ax=ax)
 
 
 @dataclass(frozen=True, eq=False)

@@ -202,7 +202,7 @@ class Stresses(WithSpeeds, Figured, ReadOnly):
         return ["stresses in the turning shafts; ± is the amplitude"]
 
     def _draw(self, ax: Any) -> "Figure":
-        from gearbow.plotting.sections import stresses  # noqa: PLC0415
+        from gearbow.plotting.analyses import stresses  # noqa: PLC0415
 
         shafts = list(dict.fromkeys(shaft for shaft, *_ in self.sections))
         own = {name: [i for i, (s, *_) in enumerate(self.sections) if s == name] for name in shafts}
