@@ -17,8 +17,7 @@ import numpy as np
 
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
-from gearbow.units.fields import unit_of
-from gearbow.units.values import is_quantity, magnitude
+from gearbow.units.fields import is_quantity, magnitude, unit_of
 
 #: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63

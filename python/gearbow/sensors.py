@@ -19,7 +19,7 @@ from gearbow.errors import SceneError
 from gearbow.recording import access
 from gearbow.recording.access import Quantity, angle, motion
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
-from gearbow.units.values import is_quantity, magnitude
+from gearbow.units.fields import is_quantity, magnitude
 
 #: What strain gauges measure.
 GaugeQuantity: TypeAlias = Literal["torque", "bending"]

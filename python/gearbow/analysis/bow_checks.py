@@ -10,7 +10,7 @@ import numpy as np
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
 from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
-from gearbow.description.bow_limit import VELOCITIES, BowLimit, largest_displacement
+from gearbow.description.bow import VELOCITIES, BowLimit, largest_displacement
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import ratios_by_shaft

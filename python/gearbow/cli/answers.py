@@ -22,15 +22,17 @@ from gearbow.cli.arguments import (
     items,
     named_item,
     output,
+    read_options,
     read_run,
+    read_system,
+    refuse_options,
     spaced,
     speed_line,
+    speed_of_file,
 )
-from gearbow.cli.systems import read_options, read_system, refuse_options, speed_of_file
 from gearbow.description.layout import ratios_by_shaft
-from gearbow.description.loads import Force, Torque
+from gearbow.description.loads import Force, MeshExcitation, Source, Torque
 from gearbow.description.places import is_pair, is_place, place_label
-from gearbow.description.sources import MeshExcitation, Source
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError
 from gearbow.exchange.rexs import RexsContents, rexs_contents

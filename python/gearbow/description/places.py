@@ -14,7 +14,7 @@ from gearbow._types import Plain
 from gearbow.description.elastic import ElasticBody, Interface, Matrices, Surface, reduced
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import ChannelError, SceneError
-from gearbow.units.values import is_quantity
+from gearbow.units.fields import is_quantity
 
 
 @dataclass(frozen=True)

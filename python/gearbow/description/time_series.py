@@ -12,7 +12,7 @@ from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.description.speed import evaluated, sampled
 from gearbow.errors import SceneError
-from gearbow.units.values import has_quantity
+from gearbow.units.fields import has_quantity
 
 
 @dataclass(frozen=True)

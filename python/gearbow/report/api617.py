@@ -16,13 +16,12 @@ import numpy as np
 from gearbow._result import Column, in_micrometres
 from gearbow._types import Array
 from gearbow.analysis.protocol import variant
-from gearbow.description.bow_limit import largest_displacement
+from gearbow.description.bow import largest_displacement
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
-from gearbow.report.page import Block, Table, note, picture
+from gearbow.report.page import Block, Table, note, picture, say
 from gearbow.report.shared import Contents
-from gearbow.report.texts import say
 from gearbow.results.modes import Modes
 from gearbow.units.speed import PER_MINUTE, speed_factor
 

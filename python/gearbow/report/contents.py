@@ -12,18 +12,15 @@ from typing import Any
 import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent, replaced
-from gearbow.description.bow_limit import BowLimit
+from gearbow.description.bow import BowLimit
 from gearbow.description.layout import assumptions, tooth_orders
 from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, segments_of
 from gearbow.report import api617
-from gearbow.report.motion import motion
-from gearbow.report.page import Block, Note, Picture, Table, note, parts_tables, picture
-from gearbow.report.resonances import resonances
+from gearbow.report.operation import motion, resonances, strength
+from gearbow.report.page import Block, Note, Picture, Table, note, parts_tables, picture, say, word
 from gearbow.report.shared import UNDAMPED, Contents, Make, margins, reason_of, resonances_of
-from gearbow.report.strength import strength
-from gearbow.report.texts import say, word
 from gearbow.results.bow_limits import BowLimits
 from gearbow.results.campbell import Intersection
 from gearbow.results.modes import Modes

@@ -23,8 +23,8 @@ from gearbow._types import (
     Plain,
 )
 from gearbow.description.coordinates import Coordinates, time_derivatives
+from gearbow.description.loads import plain_sources
 from gearbow.description.places import Places, is_pair, place, place_label, places
-from gearbow.description.sources import plain_sources
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.harmonic import PRINTED_PLACES, FrequencyComparison, HarmonicResponse
 from gearbow.results.section_forces import Motions

@@ -15,8 +15,7 @@ from gearbow.analysis.arclength import first_crossing
 from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_teeth
 from gearbow.analysis.bow_motion import BowMotion, Variants
 from gearbow.analysis.protocol import System
-from gearbow.description.bow import Bow, amplitude_of
-from gearbow.description.bow_limit import BowLimit
+from gearbow.description.bow import Bow, BowLimit, amplitude_of
 from gearbow.description.layout import left_out
 from gearbow.description.part import expect, parts
 from gearbow.errors import ContactError, ConvergenceError, SceneError, StabilityError

@@ -36,9 +36,15 @@ from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import scaled
 from gearbow.description.layout import Kinematics
 from gearbow.errors import AccuracyWarning, GearbowError, SceneError, warn
-from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
 from gearbow.results.response import Response
-from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
+from gearbow.results.steady import (
+    SMALLEST_MULTIPLIER,
+    UNITS,
+    BranchData,
+    Continuation,
+    SteadyState,
+    summary,
+)
 from gearbow.system.linear import matrices
 from gearbow.system.run import requests
 from gearbow.system.simulation import accuracy_level

@@ -11,8 +11,8 @@ from gearbow._parallel import thread_count
 from gearbow._types import Array
 from gearbow.analysis.protocol import System
 from gearbow.description.layout import left_out, mesh_orders
+from gearbow.description.loads import MeshExcitation, Source, plain_sources
 from gearbow.description.places import Places
-from gearbow.description.sources import MeshExcitation, Source, plain_sources
 from gearbow.errors import SceneError
 from gearbow.results.frequency_response import FrequencyResponse
 

@@ -17,7 +17,7 @@ from gearbow._files import check_name, check_output, reading
 from gearbow._lookup import one_of
 from gearbow._types import Accuracy, At, InitialState, Language, Progress, Record
 from gearbow.analysis.protocol import System
-from gearbow.description.bow_limit import BowLimit
+from gearbow.description.bow import BowLimit
 from gearbow.description.part import parts
 from gearbow.description.train import Train
 from gearbow.errors import SceneError
@@ -25,8 +25,8 @@ from gearbow.results.peak import operating_range
 from gearbow.results.stresses import Strength
 from gearbow.sensors import SignalSensor
 from gearbow.system.bodies import with_bodies
+from gearbow.units.fields import without_texts
 from gearbow.units.speed import SpeedUnit, as_given, given_unit, showing_in, unit_in_texts
-from gearbow.units.values import without_texts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

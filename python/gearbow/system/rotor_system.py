@@ -57,8 +57,8 @@ from gearbow.system.steady import steady_state
 from gearbow.system.strength import stresses
 from gearbow.system.thermal import thermal_bow
 from gearbow.system.tradeoff import tradeoff
+from gearbow.units.fields import without_texts
 from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
-from gearbow.units.values import without_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self

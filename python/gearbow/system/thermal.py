@@ -10,9 +10,9 @@ from gearbow._lookup import nearest
 from gearbow._types import At, ComplexArray
 from gearbow.analysis.protocol import System, variant
 from gearbow.description.layout import left_out, shafts_of_bodies
+from gearbow.description.loads import ThermalBow
 from gearbow.description.part import expect
 from gearbow.description.places import place
-from gearbow.description.sources import ThermalBow
 from gearbow.errors import SceneError
 from gearbow.results.synchronous import Synchronous
 from gearbow.results.thermal import ThermalStability

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from gearbow._convert import matrix
 from gearbow._lookup import one_of
 from gearbow._types import Array
-from gearbow.units.values import is_quantity
+from gearbow.units.fields import is_quantity
 
 #: Unit of speeds in tables and figures.
 SpeedUnit: TypeAlias = Literal["rad/s", "rpm"]

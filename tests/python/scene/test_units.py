@@ -13,9 +13,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.description.part import Part
-from gearbow.units.fields import FIELDS, unit_of
+from gearbow.units.fields import FIELDS, magnitude, unit_of
 from gearbow.units.parse import parsed
-from gearbow.units.values import magnitude
 from reference.cases import each_case
 from reference.machines import rotor
 
