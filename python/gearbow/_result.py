@@ -115,7 +115,6 @@ def _heading(name: str, unit: str) -> str:
 
 
 def _cell(value: Any, form: str, factor: float) -> str:
-    """Write one value."""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, int | np.integer) and factor == 1.0:

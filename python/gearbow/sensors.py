@@ -193,7 +193,6 @@ def _cubic(time: Array, values: Array, rates: Array, t: Array) -> Array:
 
 
 def _cubic_rate(time: Array, values: Array, rates: Array, t: Array) -> Array:
-    """Give the rate of `_cubic`."""
     i, h, s = _interval(time, t)
     slope: Array = 6.0 * s * (1.0 - s) * (values[i + 1] - values[i]) / h
     return slope + (1.0 - s) * (1.0 - 3.0 * s) * rates[i] + s * (3.0 * s - 2.0) * rates[i + 1]

@@ -435,7 +435,6 @@ def _mesh_force(motion: BowMotion, limit: BowLimit, teeth: _Teeth) -> Check:
 def _bearing(
     motion: BowMotion, limit: BowLimit, kind: type[_Kind] | tuple[type[_Kind], ...]
 ) -> _Kind:
-    """Give the bearing of a limit."""
     for each in motion.variants.base.bearings:
         here = Places("bearing", [[(each.shaft, each.position)]]).find(limit.at) == 0
         if isinstance(each, kind) and here:

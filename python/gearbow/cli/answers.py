@@ -308,7 +308,6 @@ def response(given: argparse.Namespace) -> Answer:
 
 
 def _source(text: str) -> Source:
-    """Read a source."""
     if "/" in text:
         return MeshExcitation(text)
     place, _, direction = text.rpartition(":")
@@ -357,7 +356,6 @@ def run(given: argparse.Namespace) -> Answer:
 
 
 def _saved(found: Response, given: argparse.Namespace, *, complete: bool) -> Answer:
-    """Save a response, and describe it."""
     ends = [given.speed] + ([] if given.end_speed is None else [given.end_speed])
     found.speed_unit = given_unit(ends) or found.speed_unit
     data = {
@@ -404,7 +402,6 @@ def _save(found: Response | SteadyState, given: argparse.Namespace) -> list[str]
 
 
 def _signals(response: Response) -> dict[str, Any]:
-    """Describe the recorded signals."""
     points, meshes, bearings = {}, {}, {}
     recorded: list[Any] = response.recorded
     for one in recorded:
@@ -445,7 +442,6 @@ def tradeoff(given: argparse.Namespace) -> Answer:
 
 
 def _trials(found: Tradeoff[RotorSystem], given: argparse.Namespace) -> Answer:
-    """Describe the trials of a study."""
     keys = ("model", "method", "model_error", "errors", "error", "seconds", "rate", "steps")
     front = found.front()
     data = {

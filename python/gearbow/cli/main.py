@@ -241,7 +241,6 @@ def _print(text: str) -> None:
 
 
 def _fail(given: argparse.Namespace, error: Exception, code: int) -> int:
-    """Write an error as one line."""
     text = str(error) or type(error).__name__
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         text = f"{error.filename}: {error.strerror}"
@@ -253,7 +252,6 @@ def _fail(given: argparse.Namespace, error: Exception, code: int) -> int:
 
 
 def _show(given: argparse.Namespace, message: Warning | str, *_: Any) -> None:
-    """Write a warning as one line."""
     sys.stderr.write(f"warning: {_in_options(str(message), given.options)}\n")
 
 

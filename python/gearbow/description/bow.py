@@ -36,12 +36,8 @@ class Bow(Part):
         Angle of the plane of the bow in the shaft, from y towards z [rad].
     number : int, optional
         Half waves over the length, for "mode".
-    positions : sequence of float, optional
-        Positions of the measurements [m], for "points".
-    amplitudes : sequence of float, optional
-        Deflection at each position [m], for "points".
-    phases : sequence of float, optional
-        Angle at each position [rad], for "points".
+    positions, amplitudes, phases : sequence of float, optional
+        Positions [m], deflections there [m] and their angles [rad], for "points".
     curve : callable, optional
         The curve itself, for "function".
 
@@ -74,10 +70,8 @@ class Bow(Part):
 
         Parameters
         ----------
-        amplitude : float
-            Deflection at mid-length [m].
-        phase : float
-            Angle in the shaft [rad].
+        amplitude, phase : float
+            Deflection at mid-length [m], and angle in the shaft [rad].
 
         Returns
         -------
@@ -92,10 +86,8 @@ class Bow(Part):
 
         Parameters
         ----------
-        amplitude : float
-            Largest deflection [m].
-        phase : float
-            Angle in the shaft [rad].
+        amplitude, phase : float
+            Largest deflection [m], and angle in the shaft [rad].
 
         Returns
         -------
@@ -112,10 +104,8 @@ class Bow(Part):
         ----------
         number : int
             Number of half waves; 1 is `half_sine`.
-        amplitude : float
-            Deflection at the crests [m].
-        phase : float
-            Angle in the shaft [rad].
+        amplitude, phase : float
+            Deflection at the crests [m], and angle in the shaft [rad].
 
         Returns
         -------
@@ -327,10 +317,8 @@ class BowLimit(Part):
         Direction of a displacement or velocity, from y towards z [rad].
     support : str, optional
         What a displacement is measured from.
-    capacity : float, optional
-        Basic dynamic load rating [N], for "bearing_life"; None is that of the bearing.
-    exponent : float, optional
-        Exponent of the life, for "bearing_life"; None is that of the bearing.
+    capacity, exponent : float, optional
+        Dynamic load rating [N] and exponent, for "bearing_life"; None is that of the bearing.
     tensile_strength : float, optional
         Tensile strength [Pa], for "stress".
     line : {"goodman", "din743"}
@@ -488,10 +476,8 @@ class BowLimit(Part):
         ----------
         at : str or tuple of (str, float)
             A gear or disk by name, or (shaft, position [m]).
-        endurance_limit : float
-            Stress amplitude that a smooth specimen of the size of the shaft endures [Pa].
-        tensile_strength : float
-            Tensile strength of the material [Pa].
+        endurance_limit, tensile_strength : float
+            Amplitude that a smooth specimen of this size endures, and tensile strength [Pa].
         line : {"goodman", "din743"}
             How a mean stress lowers the endured amplitude.
         """

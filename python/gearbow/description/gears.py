@@ -18,10 +18,8 @@ class TipRelief(Part):
 
     Parameters
     ----------
-    amount : float
-        Relief at the end of the path of contact [m].
-    length : float
-        Length of the relief along the path, from either end [m].
+    amount, length : float
+        Relief at the end of the path of contact, and its length along the path from either end [m].
     shape : {"linear", "parabolic"}
         Start of the relief: with a corner, or tangent to the involute.
 
@@ -139,18 +137,14 @@ class Disk(Part):
 
     Parameters
     ----------
-    name : str
-        Name, unique in the system.
-    shaft : str
-        Name of its shaft.
+    name, shaft : str
+        Name, unique in the system, and name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
     mass : float
         Mass [kg].
-    diametral_inertia : float
-        Moment of inertia about a diameter [kg m²].
-    polar_inertia : float
-        Moment of inertia about the axis [kg m²].
+    diametral_inertia, polar_inertia : float
+        Moments of inertia about a diameter and about the axis [kg m²].
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
 
@@ -175,10 +169,8 @@ class Gear(Part):
 
     Parameters
     ----------
-    name : str
-        Name, unique in the system.
-    shaft : str
-        Name of its shaft.
+    name, shaft : str
+        Name, unique in the system, and name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
     teeth : int
@@ -210,10 +202,8 @@ class Gear(Part):
         Mass [kg]; the defaults of mass and inertias are those of a solid steel disk with the
         diameter of the pitch circle, of an internal gear those of a steel ring from the pitch
         circle to 3.5 modules outside the root circle.
-    diametral_inertia : float
-        Moment of inertia about a diameter [kg m²].
-    polar_inertia : float
-        Moment of inertia about the axis [kg m²].
+    diametral_inertia, polar_inertia : float
+        Moments of inertia about a diameter and about the axis [kg m²].
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
     runout : complex
@@ -252,10 +242,8 @@ class Mesh(Part):
 
     Parameters
     ----------
-    driver : str
-        Name of the driving gear.
-    driven : str
-        Name of the driven gear.
+    driver, driven : str
+        Names of the driving and the driven gear.
     stiffness : float or Stiffness, optional
         Stiffness along the line of action, normal to the teeth: a constant [N/m], or a model. None
         is the mean stiffness of ISO 6336-1, `Stiffness.iso6336`, which needs the face width of both

@@ -26,12 +26,9 @@ class PadFilm(ReadOnly):
 
     Parameters
     ----------
-    angles : ndarray, shape (n,)
-        Angles of the points, from y towards z [rad].
-    thickness : ndarray, shape (n,)
-        Thickness of the film [m].
-    pressure : ndarray, shape (n,)
-        Pressure above that of the surroundings [Pa].
+    angles, thickness, pressure : ndarray, shape (n,)
+        Angles from y towards z [rad], thickness of the film [m], pressure above the surroundings
+        [Pa].
     pivot : float or None
         Angle of the pivot of a tilting pad [rad].
 
@@ -153,10 +150,8 @@ class Pad(Part):
 
     Parameters
     ----------
-    begin : float
-        Angle at which its arc begins, from y towards z [rad].
-    extent : float
-        Extent of its arc [rad], from 0.1 to 6.2, or 2π.
+    begin, extent : float
+        Angle at which its arc begins, from y towards z, and its extent, 0.1 to 6.2 or 2π [rad].
     length : float, optional
         Axial length [m]. None is that of the bearing.
     clearance : float, optional
@@ -200,10 +195,8 @@ class JournalBearing(Part):
         Name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
-    diameter : float
-        Diameter D of the journal [m].
-    length : float
-        Length L of the bearing [m].
+    diameter, length : float
+        Diameter D of the journal and length L of the bearing [m].
     clearance : float
         Radial clearance c: difference of the radii of bearing and journal [m].
     viscosity : float
@@ -234,10 +227,8 @@ class JournalBearing(Part):
     rupture : {"reynolds", "gumbel"}, optional
         Where a finite film ruptures: where pressure and its gradient vanish (Reynolds, the
         default), or where the pressure of a film without rupture is negative (Gümbel).
-    axial_stiffness : float
-        Stiffness along the axis of the shaft [N/m], that of a thrust bearing.
-    axial_damping : float
-        Damping along the axis of the shaft [N s/m].
+    axial_stiffness, axial_damping : float
+        Those of a thrust bearing along the axis of the shaft [N/m, N s/m].
     support : str, Support or tuple of (str, float), optional
         What it stands on, as for `Bearing`.
 
@@ -306,10 +297,8 @@ class JournalBearing(Part):
 
         Parameters
         ----------
-        load : float
-            Load of the shaft on the bearing along −z [N].
-        speed : float
-            Speed of the shaft about +x [rad/s], positive.
+        load, speed : float
+            Load along −z [N], and speed of the shaft about +x [rad/s], positive.
 
         Returns
         -------
@@ -342,10 +331,8 @@ class TiltingPadBearing(Part):
         Name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
-    diameter : float
-        Diameter D of the journal [m].
-    length : float
-        Length L of the pads [m].
+    diameter, length : float
+        Diameter D of the journal and length L of the pads [m].
     clearance : float
         Difference of the radii of a pad and the journal [m].
     viscosity : float
@@ -374,10 +361,8 @@ class TiltingPadBearing(Part):
         keep them as coordinates, which gives every mode the coefficients at its own frequency.
     rupture : {"reynolds", "gumbel"}, optional
         Where the films rupture, as for `JournalBearing`.
-    axial_stiffness : float
-        Stiffness along the axis of the shaft [N/m], that of a thrust bearing.
-    axial_damping : float
-        Damping along the axis of the shaft [N s/m].
+    axial_stiffness, axial_damping : float
+        Those of a thrust bearing along the axis of the shaft [N/m, N s/m].
     support : str, Support or tuple of (str, float), optional
         What it stands on, as for `Bearing`.
 
@@ -430,10 +415,8 @@ class TiltingPadBearing(Part):
 
         Parameters
         ----------
-        load : float
-            Load of the shaft on the bearing along −z [N].
-        speed : float
-            Speed of the shaft about +x [rad/s], positive.
+        load, speed : float
+            Load along −z [N], and speed of the shaft about +x [rad/s], positive.
         frequency : float, optional
             Frequency of the vibration [rad/s] at which the motions of the pads are eliminated. None
             is that of the rotation.
@@ -505,12 +488,8 @@ class SqueezeFilm(Support):
     support : str or (str, str), optional
         Name of the housing on which the film stands, or (elastic housing, interface). None: the
         ground.
-    diameter : float
-        Diameter of the ring [m].
-    length : float
-        Length of the film [m].
-    clearance : float
-        Radial clearance [m].
+    diameter, length, clearance : float
+        Diameter of the ring, length of the film and radial clearance [m].
     viscosity : float
         Dynamic viscosity μ of the oil [Pa s].
     film : {"short", "finite"}, optional

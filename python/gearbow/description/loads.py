@@ -105,10 +105,8 @@ class Drive(Part):
     ----------
     at : str or tuple of (str, float)
         A gear or disk by name, or (shaft, position [m]).
-    stiffness : float
-        Stiffness k [N m/rad].
-    damping : float
-        Damping c [N m s/rad].
+    stiffness, damping : float
+        Stiffness k [N m/rad] and damping c [N m s/rad].
 
     Examples
     --------
@@ -189,10 +187,8 @@ class Bearing(Part):
         it.
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
-    tilting_stiffness : float
-        Stiffness against rotations of the shaft about y and z [N m/rad].
-    tilting_damping : float
-        Damping of these rotations [N m s/rad].
+    tilting_stiffness, tilting_damping : float
+        Those against rotations of the shaft about y and z [N m/rad, N m s/rad].
     loss_factor : float
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
@@ -429,7 +425,6 @@ def plain_sources(source: object) -> tuple[list[dict[str, Plain]], list[str]]:
 
 
 def _plain(source: Any, path: str) -> dict[str, Plain]:
-    """Give the plain data of a source."""
     if isinstance(source, Part):
         source = source._in_si(path)
     if isinstance(source, MeshExcitation | GroundMotion | ShaftExcitation):

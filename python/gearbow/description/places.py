@@ -127,10 +127,8 @@ class Housing(Part):
         [kg m²]; products of inertia are neglected. None: the housing does not rotate.
     position : (float, float, float)
         Centre of mass (x, y, z) [m].
-    rotational_stiffness : (float, float, float)
-        Stiffness to the ground about x, y and z [N m/rad].
-    rotational_damping : (float, float, float)
-        Damping to the ground about x, y and z [N m s/rad].
+    rotational_stiffness, rotational_damping : (float, float, float)
+        Those to the ground about x, y and z [N m/rad, N m s/rad].
     points : mapping of {str: (float, float, float)}
         Points (x, y, z) [m] whose motion can be recorded by name, for example those of
         accelerometers.

@@ -57,10 +57,8 @@ class RingGear(Part):
         Tip radius [m]; None is that of full-depth teeth, as in `Gear`.
     mass : float, optional
         Mass [kg]; None is that of a steel ring, as in `Gear`.
-    diametral_inertia : float, optional
-        Moment of inertia about a diameter [kg m²].
-    polar_inertia : float, optional
-        Moment of inertia about the axis [kg m²].
+    diametral_inertia, polar_inertia : float, optional
+        Moments of inertia about a diameter and about the axis [kg m²].
     rotational_stiffness : float, optional
         Stiffness with which the ground holds the ring against rotation [N m/rad]; a ring on the
         ground needs it. For a bolted ring, 1e9 N/m times the square of its pitch radius is usual.
@@ -113,7 +111,6 @@ class RingGear(Part):
         return shaft, drive
 
     def _gear(self, shafts: Sequence[str], path: str) -> Gear:
-        """Give the gear on its shaft."""
         whole(self.teeth, f"{path}.teeth")
         if self.rotational_stiffness is not None and self.support in shafts:
             raise SceneError(
@@ -272,7 +269,6 @@ class PlanetaryStage(Part):
         return angles
 
     def _planets(self) -> list[str]:
-        """Give the names of the planets."""
         count = len(self._angles("planets"))
         return [f"{self.planet.name} {i}" for i in range(1, count + 1)]
 
@@ -442,7 +438,6 @@ class PlanetaryStage(Part):
         plain._describe(path)
 
     def _bearings(self, path: str) -> tuple[Bearing | JournalBearing | RollingBearing, ...]:
-        """Give the bearings of one planet."""
         given = self.bearing if isinstance(self.bearing, list | tuple) else (self.bearing,)
         return parts(given, Bearing, f"{path}.bearing", JournalBearing, RollingBearing)
 

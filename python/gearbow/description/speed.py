@@ -74,14 +74,10 @@ class SpeedProfile(ReadOnly):
 
         Parameters
         ----------
-        start : float
-            Initial speed [rad/s].
-        end : float
-            Final speed [rad/s], constant afterwards.
-        duration : float
-            Duration of the change [s].
-        begin : float
-            Time at which the change begins [s].
+        start, end : float
+            Initial and final speed [rad/s]; the final one is constant afterwards.
+        duration, begin : float
+            Duration of the change, and time at which it begins [s].
         """
         begin, duration = number(begin, "speed.begin"), positive(duration, "speed.duration")
         return cls.table(
@@ -94,10 +90,8 @@ class SpeedProfile(ReadOnly):
 
         Parameters
         ----------
-        times : array_like, shape (m + 1,)
-            Times, ascending [s].
-        speeds : array_like, shape (m + 1,)
-            Speeds [rad/s].
+        times, speeds : array_like, shape (m + 1,)
+            Ascending times [s] and the speeds at them [rad/s].
         """
         t, values = array(times, "speed.times"), array(speeds, "speed.speeds")
         if t.shape != values.shape or t.size < 2:
@@ -120,10 +114,8 @@ class SpeedProfile(ReadOnly):
         ----------
         f : callable
             Gives the speed [rad/s] at a time [s], or at an array of times.
-        duration : float
-            Duration of the approximation [s]; the speed is constant afterwards.
-        begin : float
-            Time at which the approximation begins [s]; the speed is constant before.
+        duration, begin : float
+            Duration and begin of the approximation [s]; before and after it the speed is constant.
 
         Returns
         -------

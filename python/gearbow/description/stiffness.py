@@ -32,10 +32,8 @@ class Stiffness(Part):
         "parabolic".
     values : sequence of float, optional
         Stiffness at equal intervals of the mesh cycle [N/m], for "table".
-    amplitudes : sequence of float, optional
-        Amplitudes of the harmonics of the mesh cycle [N/m], for "fourier".
-    phases : sequence of float, optional
-        Phases of the harmonics [rad], for "fourier".
+    amplitudes, phases : sequence of float, optional
+        Amplitudes [N/m] and phases [rad] of the harmonics of the mesh cycle, for "fourier".
     bore_radii : pair of float, optional
         Radii at which the bodies of driver and driven gear are fixed [m], for "potential_energy".
     engagement : "sharp" or float, optional
@@ -294,10 +292,9 @@ class Stiffness(Part):
         ----------
         mean : float
             Mean over the cycle [N/m].
-        amplitudes : array_like, shape (n,)
-            Amplitudes a of the harmonics 1, 2, … [N/m].
-        phases : array_like, shape (n,)
-            Their phases p [rad]; the default is zero.
+        amplitudes, phases : array_like, shape (n,)
+            Amplitudes a [N/m] and phases p [rad] of the harmonics 1, 2, …; phases are zero by
+            default.
         phase : {"twist", "prescribed"}
             What determines the position of the teeth on the path of contact; see the class.
 

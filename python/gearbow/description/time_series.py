@@ -64,10 +64,8 @@ class TimeSeries(Part):
         ----------
         f : callable
             Gives the torque [N m] or force y + iz [N] at a time [s].
-        duration : float
-            Duration of the approximation [s].
-        begin : float
-            Time at which the approximation begins [s].
+        duration, begin : float
+            Duration of the approximation, and time at which it begins [s].
         path : str
             Beginning of error messages.
 

@@ -87,10 +87,8 @@ class RexsContents(Shown):
 
     Attributes
     ----------
-    application : str
-        Program and version that wrote the file.
-    version : str
-        Version of REXS.
+    application, version : str
+        Program and version that wrote the file, and version of REXS.
     reference : str
         Name of the reference shaft, whose speed the load cases give.
     load_cases : tuple of LoadCase
@@ -352,7 +350,6 @@ class _Train:
         return described
 
     def _material(self, component: Component) -> dict[str, Plain] | None:
-        """Give the material of a component."""
         for refs in self._file.related("reference"):
             material = refs.get("referenced")
             if material and material.kind == "material" and refs.get("origin") is component:

@@ -167,10 +167,8 @@ class MissingValue(Shown):
     ----------
     argument : str
         "bearings" or "couplings", the argument of `gearbow.RotorSystem.read_rexs` that gives them.
-    name : str
-        Name of the part in the file.
-    part : str
-        Its type, dimensions and place.
+    name, part : str
+        Name of the part in the file; its type, dimensions and place.
     keys : tuple of str
         The parameters of `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.Coupling`.
     hint : str

@@ -261,7 +261,6 @@ def _heading(
     hints: Mapping[str, str],
     where: str,
 ) -> _Heading:
-    """Read the heading of a column."""
     if len(cell) > _LONGEST_CELL:
         raise SceneError(f"{where}: {shown(cell)} is too long for a heading")
     words: set[str] = set()

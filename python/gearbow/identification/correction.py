@@ -68,10 +68,8 @@ class TrialInfluence(Figured, ReadOnly):
         Label of the probe.
     speeds : ndarray, shape (k,)
         Speed of the trial run [rad/s].
-    measured : ndarray, shape (k,)
-        Complex coefficient of the trial run [m/(kg m)].
-    model : ndarray, shape (k,)
-        That of the model between the same speeds [m/(kg m)].
+    measured, model : ndarray, shape (k,)
+        Complex coefficients of the trial run and of the model between the same speeds [m/(kg m)].
     half_widths : ndarray, shape (k,)
         Half width of the 95 % interval of each component of the measured one, which follows from
         the noise of both runs [m/(kg m)].

@@ -70,10 +70,8 @@ class Identification(Figured, ReadOnly, Estimates[S]):
 
     Parameters
     ----------
-    names : tuple of str
-        Names of the unknowns, for example "bow of input, half wave 1".
-    units : tuple of str
-        Unit of each unknown.
+    names, units : tuple of str
+        Names of the unknowns, for example "bow of input, half wave 1", and their units.
     values : ndarray, shape (unknowns,)
         Complex amplitudes; their argument is the angle in the shaft. Parameters are real. A
         combination that data and priors do not determine is zero.

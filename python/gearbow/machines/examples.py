@@ -21,10 +21,8 @@ class Example(Shown):
 
     Parameters
     ----------
-    name : str
-        Name of the machine.
-    title : str
-        What it is.
+    name, title : str
+        Name of the machine, and what it is.
     speed : float
         Rated speed of the reference shaft [rad/s].
     path : Path

@@ -83,10 +83,8 @@ class Orders(WithSpeeds, Result, ReadOnly):
         Mean of the signal.
     rest : float
         RMS of the remainder in the unit of the signal. A sine of amplitude A has the RMS A/√2.
-    label : str
-        Name of the signal, e.g. "g1 v".
-    unit : str
-        Unit of the signal.
+    label, unit : str
+        Name of the signal, e.g. "g1 v", and its unit.
     times : ndarray, shape (m,)
         Times in the middle of the segments [s]; m is 1 for a complete record.
     speeds : ndarray, shape (m,)

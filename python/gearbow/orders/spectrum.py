@@ -127,14 +127,10 @@ class Spectrum(WithSpeeds, Figured, ReadOnly):
 
     Parameters
     ----------
-    frequencies_hz : ndarray, shape (n,)
-        Frequencies above zero [Hz].
-    amplitudes : ndarray, shape (n,)
-        Amplitudes in the unit of the signal.
-    label : str
-        Name of the signal, e.g. "g1 v".
-    unit : str
-        Unit of the signal.
+    frequencies_hz, amplitudes : ndarray, shape (n,)
+        Frequencies above zero [Hz], and amplitudes in the unit of the signal.
+    label, unit : str
+        Name of the signal, e.g. "g1 v", and its unit.
     orders : tuple of (str, float)
         Names and frequencies [Hz] of the orders of the train at a constant speed.
     speed : float, optional
@@ -286,10 +282,8 @@ class Waterfall(WithSpeeds, Result, ReadOnly):
         Frequencies above zero [Hz]. In a run-up, each segment has its own: multiples of its speed.
     amplitudes : ndarray, shape (rows, n)
         Amplitudes in the unit of the signal.
-    label : str
-        Name of the signal, e.g. "g1 v".
-    unit : str
-        Unit of the signal.
+    label, unit : str
+        Name of the signal, e.g. "g1 v", and its unit.
     kinematics : Kinematics or None
         Speed ratios and tooth frequencies, which determine the order lines.
 

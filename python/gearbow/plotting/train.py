@@ -163,7 +163,6 @@ class SideView:
         return _without_interface(base) if named is None else named
 
     def _stands_on(self, bearing: Any, housing: str) -> bool:
-        """Tell whether a bearing or its support stands on a housing."""
         base = self._base(bearing)
         return housing == (name_of_housing(base.support) if isinstance(base, Support) else base)
 
@@ -267,7 +266,6 @@ def bows(train: Train) -> dict[str, tuple[Array, ComplexArray]]:
 
 
 def _rectangle(box: Box, **style: Any) -> Rectangle:
-    """Give the patch of a box."""
     left, bottom, right, top = box
     return Rectangle((left, bottom), right - left, top - bottom, linewidth=1.0, **style)
 

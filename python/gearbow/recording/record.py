@@ -56,14 +56,8 @@ class ContactShares(Shown):
 
     Parameters
     ----------
-    drive : float
-        Share with contact of the drive flanks only.
-    back : float
-        Share with contact of the back flanks only.
-    both : float
-        Share with contact of both flanks.
-    none : float
-        Share without contact.
+    drive, back, both, none : float
+        Shares with contact of the drive flanks only, the back flanks only, both, and none.
 
     Examples
     --------
@@ -287,10 +281,8 @@ class Event(NamedTuple):
     ----------
     time : float
         Time [s].
-    driver : str
-        Name of the driving gear.
-    driven : str
-        Name of the driven gear.
+    driver, driven : str
+        Names of the driving and the driven gear.
     kind : str
         "contact" (the drive flanks meet), "back contact" (the back flanks meet), "separation" (the
         flanks separate), "tight" (both flanks are in contact), "contact ratio below 1", "contact
@@ -337,10 +329,8 @@ class MeshResponse(ReadOnly):
         Distance between the moving centres [m].
     centre_line_angle : ndarray, shape (k,)
         Angle of the line of centres, driver to driven, from y towards z [rad].
-    contact_ratio : ndarray, shape (k,)
-        Contact ratio at the moving centres, NaN where the base circles overlap.
-    pairs_in_contact : ndarray, shape (k,)
-        Number of tooth pairs that carry load.
+    contact_ratio, pairs_in_contact : ndarray, shape (k,)
+        Contact ratio, NaN where base circles overlap, and number of tooth pairs that carry load.
     thrust : ndarray, shape (k,)
         Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
         subject to the opposite force.

@@ -52,10 +52,8 @@ class RatedBearing(Shown):
         Where the dynamic rating comes from.
     method : {"ISO 281", "ISO/TS 16281"}
         Life from the equivalent load, or from the loads of the rolling elements.
-    exponent : float
-        Exponent p of the life (C/P)^p.
-    revolutions : float
-        Basic rating life L₁₀ [million turns].
+    exponent, revolutions : float
+        Exponent p, and basic rating life L₁₀ = (C/P)^p [million turns].
     hours : float
         Basic rating life L₁₀ [h]; infinite if the rings do not turn relative to each other.
     modified_hours : float
@@ -132,10 +130,8 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
         The bearings, in the order of the system; those without a dynamic rating are left out.
     cases : tuple of SpectrumCase
         The rows of the load spectrum; without a spectrum, the one operating point.
-    factor : float
-        Given factor of the modified life.
-    reliability : float
-        Reliability of the modified life.
+    factor, reliability : float
+        Given factor, and reliability of the modified life.
     notes : tuple of str
         Bearings without a life, and forces that it does not contain.
     torque_at : str
@@ -311,7 +307,6 @@ def _rated(
     ratios: tuple[float, float],
     modifier: float,
 ) -> RatedBearing:
-    """Give the loads and the life of one bearing."""
     at = (part.shaft, float(part.position))
     radial = float(np.hypot(*static.bearing_force(at)))
     thrust = abs(static.axial_bearing_force(at))

@@ -21,10 +21,8 @@ class ReachedLimit(Shown):
 
     Parameters
     ----------
-    limit : str
-        The limit, for example "backlash used up".
-    at : str
-        Mesh, bearing or place.
+    limit, at : str
+        The limit, for example "backlash used up", and its mesh, bearing or place.
     speed : float
         Speed of the reference shaft [rad/s].
     bow : float

@@ -146,12 +146,8 @@ class Intersection(Shown):
     line : ExcitationLine
         The excitation. The intersection with a shaft is a critical speed, with teeth a tooth
         resonance.
-    speed : float
-        Speed of the reference shaft [rad/s].
-    frequency_hz : float
-        Frequency [Hz].
-    damping_ratio : float
-        Damping ratio of the mode at this speed.
+    speed, frequency_hz, damping_ratio : float
+        Speed of the reference shaft [rad/s]; frequency [Hz] and damping ratio of the mode there.
     whirl : str
         Whirl of the mode at this speed.
     residual : float

@@ -190,7 +190,6 @@ class FrequencyResponse(HarmonicResponse):
             return self._figure(kind, lines, unit, ax)
 
     def _figure(self, kind: str, lines: Mapping[str, ComplexArray], unit: str, ax: Any) -> "Figure":
-        """Draw lines with one unit."""
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         two = self.frequencies.ndim == 2

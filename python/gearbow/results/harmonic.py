@@ -108,10 +108,8 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
         ----------
         housing : str
             Name of a housing that `Housing.from_matrices` made with a `surface`.
-        density : float
-            Density ρ of the air [kg/m³], by default that at 20 °C.
-        sound_speed : float
-            Speed of sound c [m/s], by default that at 20 °C.
+        density, sound_speed : float
+            Density ρ [kg/m³] and speed of sound c [m/s] of the air, by default those at 20 °C.
 
         Returns
         -------

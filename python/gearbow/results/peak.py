@@ -177,10 +177,8 @@ class Peaks(WithSpeeds, Figured, ReadOnly, Sequence[Peak]):
         The shaft that excites.
     speeds : ndarray, shape (speeds,)
         Speeds of the response [rad/s].
-    phase : ndarray, shape (speeds,)
-        Phase of the orbit [rad].
-    amplitude : ndarray, shape (speeds,)
-        Major semi-axis of the orbit [m].
+    phase, amplitude : ndarray, shape (speeds,)
+        Phase [rad] and major semi-axis [m] of the orbit.
     operating : tuple of (float, float), optional
         Lowest and highest operating speed [rad/s].
 

@@ -250,10 +250,8 @@ def animate(
         First and last time [s]; None is the last turn of the slowest shaft.
     magnify : float, optional
         Factor that enlarges displacements and twists; None chooses one.
-    duration : float
-        Duration of the animation [s].
-    fps : float
-        Frames per second, at most 50.
+    duration, fps : float
+        Duration of the animation [s], and frames per second, at most 50.
     """
     run = self._to_record()
     with extra("plot"):

@@ -178,10 +178,8 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
         Their values.
     units : tuple of str
         Their SI units.
-    label : str
-        Name of the signal.
-    unit : str
-        Its unit.
+    label, unit : str
+        Name and unit of the signal.
     components : tuple of str
         Its c components: "y" and "z", or one without a name.
     values : ndarray, shape (..., sources, c)
@@ -189,10 +187,8 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
     derivatives : ndarray, shape (p, ..., sources, c)
         Its derivatives with respect to each parameter [unit of the signal over that of the
         parameter].
-    sources : tuple of str
-        Labels of the sources.
-    axes : tuple of str
-        Names of the first axes of `values`.
+    sources, axes : tuple of str
+        Labels of the sources, and names of the first axes of `values`.
     frequencies : ndarray or None
         Frequencies [rad/s] of a frequency response.
     speeds : ndarray or None

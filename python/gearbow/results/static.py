@@ -43,16 +43,10 @@ class MeshState(Shown):
 
     Parameters
     ----------
-    deflection : float
-        Mesh deflection along the line of action [m].
-    force : float
-        Mesh force [N].
-    stiffness : float
-        Mesh stiffness [N/m].
-    pressure_angle : float
-        Operating pressure angle [rad].
-    centre_distance : float
-        Distance between the centres [m].
+    deflection, force, stiffness : float
+        Deflection along the line of action [m], mesh force [N] and mesh stiffness [N/m].
+    pressure_angle, centre_distance : float
+        Operating pressure angle [rad], and distance between the centres [m].
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     contact_ratio, pairs_in_contact : float
@@ -207,10 +201,8 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
 
         Parameters
         ----------
-        factor : float
-            Factor of the modified life for lubrication and contamination, a_ISO of ISO 281.
-        reliability : float
-            Reliability of the modified life, from 0.9 to 0.9995.
+        factor, reliability : float
+            Factor a_ISO of the modified life, and its reliability from 0.9 to 0.9995 (ISO 281).
 
         Returns
         -------
@@ -356,10 +348,8 @@ class Efficiency(WithSpeeds, Figured, ReadOnly):
         Speeds of the reference shaft [rad/s].
     input_power : ndarray, shape (m,)
         Power that torques and drives supply [W].
-    power : ndarray, shape (m, k)
-        Power that each mesh transmits [W].
-    force : ndarray, shape (m, k)
-        Mesh force normal to the teeth [N].
+    power, force : ndarray, shape (m, k)
+        Power that each mesh transmits [W], and its force normal to the teeth [N].
     coefficient : ndarray, shape (m, k)
         Coefficient of friction; zero without friction.
     loss : ndarray, shape (m, k)

@@ -79,7 +79,6 @@ class Strength:
 def _by_shaft(
     given: float | Mapping[str, float] | None, path: str, shafts: Sequence[str]
 ) -> dict[str, float]:
-    """Give a strength by shaft."""
     if given is None:
         return {}
     if not isinstance(given, Mapping):
@@ -112,10 +111,8 @@ class Stresses(WithSpeeds, Figured, ReadOnly):
         Angle of the worst fibre in the shaft, from y towards z at shaft angle zero [rad].
     bending, axial, torsion : ndarray, shape (k, 2)
         Mean and amplitude of the nominal bending, axial and torsional stress there [Pa].
-    amplitude : ndarray, shape (k,)
-        Equivalent amplitude with the notch factors [Pa].
-    mean : ndarray, shape (k,)
-        Equivalent mean stress [Pa].
+    amplitude, mean : ndarray, shape (k,)
+        Equivalent amplitude with the notch factors, and equivalent mean stress [Pa].
     utilisation : ndarray, shape (k,)
         Amplitude over what the mean stress leaves of the endurance limit; NaN without a limit.
     notches : tuple of str

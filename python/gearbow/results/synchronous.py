@@ -546,7 +546,6 @@ class Synchronous(HarmonicResponse):
 
 
 def _place_of(sensor: SignalSensor) -> At:
-    """Give the place of a sensor."""
     if isinstance(sensor, Probe):
         return (sensor.shaft, sensor.position)
     if isinstance(sensor, Accelerometer):

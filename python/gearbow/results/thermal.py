@@ -177,10 +177,8 @@ class ThermalSpiral(WithSpeeds, Figured, ReadOnly):
         Speed of the reference shaft [rad/s].
     time : ndarray, shape (instants,)
         Time [s].
-    temperature : ndarray, shape (instants,)
-        Temperature difference, a phasor in the shaft [K].
-    vibration : ndarray, shape (instants,)
-        Forward vibration at the journal, a phasor in the shaft [m].
+    temperature, vibration : ndarray, shape (instants,)
+        Temperature difference [K] and forward vibration at the journal [m], phasors in the shaft.
 
     Examples
     --------

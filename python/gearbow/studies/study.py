@@ -283,7 +283,6 @@ class Study(Generic[S]):
         return signal_error(run.signals, other.signals, self.exact.signals)
 
     def _trial(self, run: _Run[S]) -> Trial[S]:
-        """Return the row of a run."""
         own, exact = self.own[run.model.name], self.exact
         return Trial(
             setting=str(run.setting),
@@ -331,7 +330,6 @@ class Study(Generic[S]):
 
 
 def _system(model: Model[S], setting: Setting | None) -> S:
-    """Return the system of a point."""
     del setting
     return model.system
 

@@ -156,7 +156,6 @@ def _bows(
 
 
 def _reached(motion: BowMotion, check: Check) -> ReachedLimit:
-    """Find the bow at which one limit is reached."""
     found = ReachedLimit(check.limit, check.at, motion.speed, math.inf, why=check.why)
     if check.steady is not None:
         return _steady(motion, check, found)
