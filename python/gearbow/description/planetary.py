@@ -489,9 +489,15 @@ def planet_masses(
     first = next(mesh for mesh in meshes if f"{stage.planet.name} 1" in _ends(mesh))
     if first.carrier is None or isinstance(first.carrier, str):
         return []
-    total = sum(masses[gears[name].shaft] for name in stage._planets())
-    polar = total * geometry[_ends(first)]["centre_distance"] ** 2
-    return [Disk(f"{stage.planet.name} masses", *first.carrier, total, 0.5 * polar, polar)]
+    distance = geometry[_ends(first)]["centre_distance"]
+    planets = [(masses[gears[name].shaft], distance) for name in stage._planets()]
+    return [orbiting(f"{stage.planet.name} masses", first.carrier, planets)]
+
+
+def orbiting(name: str, carrier: tuple[str, float], planets: Sequence[tuple[float, float]]) -> Disk:
+    """Give masses [kg] at distances [m] from the axis of their carrier as a disk on it."""
+    polar = sum(mass * distance**2 for mass, distance in planets)
+    return Disk(name, *carrier, sum(mass for mass, _ in planets), 0.5 * polar, polar)
 
 
 def tooth_angles(

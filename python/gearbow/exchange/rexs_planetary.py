@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from gearbow._core import Model
+from gearbow.description.planetary import orbiting
 from gearbow.exchange.rexs_file import Component, PlacedShaft, RexsFile, Shafts
 
 #: Stiffness of a rigid support against rotation [N m/rad], as that of a rigid coupling.
@@ -22,25 +23,16 @@ def with_orbits(description: dict[str, Any]) -> dict[str, Any]:
     gears = {gear["name"]: gear for gear in description["gears"]}
     names = [shaft["name"] for shaft in description["shafts"]]
     masses = dict(zip(names, Model(description).mass_properties(), strict=True))
-    found: dict[tuple[str, float], list[float]] = {}
+    found: dict[tuple[str, float], list[tuple[float, float]]] = {}
     for mesh in carried:
         rings = [name for name in (mesh["driver"], mesh["driven"]) if gears[name].get("internal")]
         if rings:
             (planet,) = {mesh["driver"], mesh["driven"]} - set(rings)
-            mass, distance = masses[gears[planet]["shaft"]][0], mesh["centre_distance"]
-            own = found.setdefault(tuple(mesh["carrier"]), [0.0, 0.0])
-            own[0] += mass
-            own[1] += mass * distance**2
+            one = (masses[gears[planet]["shaft"]][0], mesh["centre_distance"])
+            found.setdefault(tuple(mesh["carrier"]), []).append(one)
     disks = [
-        {
-            "name": f"planet masses on {shaft}",
-            "shaft": shaft,
-            "position": at,
-            "mass": mass,
-            "diametral_inertia": 0.5 * polar,
-            "polar_inertia": polar,
-        }
-        for (shaft, at), (mass, polar) in found.items()
+        orbiting(f"planet masses on {carrier[0]}", carrier, planets)._describe("disks")
+        for carrier, planets in found.items()
     ]
     return {**description, "disks": [*description.get("disks", ()), *disks]}
 

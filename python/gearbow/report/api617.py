@@ -53,18 +53,17 @@ def unbalance(contents: Contents) -> Iterator[Block]:
     planes: dict[str, complex] = {}
     rows: list[tuple[Any, ...]] = []
     first: dict[str, str] = {}
-    for shaft, ratio, mass in zip(
-        system.shafts, system.speed_ratios, system.mass_properties().mass, strict=True
-    ):
-        own = [body.name for body in bodies if body.shaft == shaft.name]
-        mode = _own_mode(contents.modes, shaft.name)
+    weights = system.mass_properties().mass
+    for (shaft, ratio), mass in zip(ratios_by_shaft(system).items(), weights, strict=True):
+        own = [body.name for body in bodies if body.shaft == shaft]
+        mode = _own_mode(contents.modes, shaft)
         if not own or mode is None:
             lacks = say("no mode of its own among {count}", count=len(contents.modes.whirl))
             if not own:
                 lacks = say("no gear or disk as a plane")
             yield note(
                 "Unbalance placement of API 617: {shaft} has {lacks}.",
-                shaft=shaft.name,
+                shaft=shaft,
                 lacks=lacks,
             )
             continue
@@ -72,13 +71,13 @@ def unbalance(contents: Contents) -> Iterator[Block]:
         amount = 1e-6 * _UNBALANCE * mass / turns
         chosen = _planes(contents.modes, mode, own)
         planes |= {name: amount * share for name, share in chosen.items()}
-        first[shaft.name] = next(iter(chosen))
+        first[shaft] = next(iter(chosen))
         hertz, whirl = contents.modes.frequencies_hz[mode], contents.modes.whirl[mode]
         places = ", ".join(
             name if share.real > 0 else say("{name} (opposite)", name=name)
             for name, share in chosen.items()
         )
-        rows.append((shaft.name, mass, turns, hertz, whirl, places, 1e6 * amount))
+        rows.append((shaft, mass, turns, hertz, whirl, places, 1e6 * amount))
     if not rows:
         return
     names, masses, speeds, frequencies, whirls, at, amounts = zip(*rows, strict=True)

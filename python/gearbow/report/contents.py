@@ -13,7 +13,7 @@ import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent, replaced
 from gearbow.description.bow import BowLimit
-from gearbow.description.layout import assumptions, tooth_orders
+from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_orders
 from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, segments_of
@@ -39,9 +39,9 @@ def drawing(contents: Contents) -> Iterator[Block]:
     yield picture(system.plot(), say("The train to scale; bows are enlarged."))
     turns, tooth = contents.speed / (2.0 * math.pi), tooth_orders(system)
     rows = []
-    for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True):
-        gears = [gear for gear in system.gears if gear.shaft == shaft.name]
-        row = [shaft.name, f"{ratio:.6g}"]
+    for shaft, ratio in ratios_by_shaft(system).items():
+        gears = [gear for gear in system.gears if gear.shaft == shaft]
+        row = [shaft, f"{ratio:.6g}"]
         if contents.speed:
             row += [f"{60.0 * ratio * turns:.6g}", f"{abs(ratio * turns):.6g}"]
         row.append(", ".join(f"{gear.name} ({gear.teeth})" for gear in gears))

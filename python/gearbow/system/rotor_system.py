@@ -731,11 +731,11 @@ class RotorSystem(CheckedKeywords, Shown):
     def _rows(self) -> Table:
         """Give a row for each shaft: speed ratio, gears, and tooth frequencies over the speed."""
         rows, tooth = [], tooth_orders(self)
-        for shaft, ratio in zip(self.shafts, self.speed_ratios, strict=True):
-            gears = [gear for gear in self.gears if gear.shaft == shaft.name]
+        for shaft, ratio in ratios_by_shaft(self).items():
+            gears = [gear for gear in self.gears if gear.shaft == shaft]
             teeth = ", ".join(f"{gear.name} ({gear.teeth})" for gear in gears)
             orders = ", ".join(f"{tooth[gear.name]:.6g}" for gear in gears)
-            rows.append((shaft.name, f"{ratio:.6g}", teeth, orders))
+            rows.append((shaft, f"{ratio:.6g}", teeth, orders))
         return (("shaft", "speed ratio", "gears (teeth)", "tooth frequency / speed"), *rows)
 
 

@@ -106,7 +106,7 @@ class Superposition:
         error = mesh.error
         if error is None:
             return
-        driver, driven = (self._ratio(gear) for gear in (mesh.driver, mesh.driven))
+        driver, driven = self._ratio(mesh.driver), self._ratio(mesh.driven)
         teeth = next(gear.teeth for gear in self.system.gears if gear.name == mesh.driver)
         if error.tooth is not None or error.table is not None:
             yield driver * teeth, TransmissionError(tooth=error.tooth, table=error.table)
