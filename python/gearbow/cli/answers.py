@@ -503,7 +503,7 @@ def identify(given: argparse.Namespace) -> Answer:
     measured = [Measurement.read_csv(path, detection=given.detection) for path in given.measured]
     system = read_system(given)
     found = identified(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
-    data: dict[str, Any] = found.to_dict()
+    data: dict[str, Any] = dict(found.to_dict())
     return _answer(given, found, [], **data)
 
 
