@@ -444,7 +444,7 @@ def tradeoff(given: argparse.Namespace) -> Answer:
 def _trials(found: Tradeoff[RotorSystem], given: argparse.Namespace) -> Answer:
     keys = ("model", "method", "model_error", "errors", "error", "seconds", "rate", "steps")
     front = found.front()
-    data = {
+    data: dict[str, Any] = {
         "uncertainty": found.floor,
         "trials": [
             {**_fields(trial, *keys), "setting": str(trial), "front": trial in front}
@@ -503,7 +503,7 @@ def identify(given: argparse.Namespace) -> Answer:
     measured = [Measurement.read_csv(path, detection=given.detection) for path in given.measured]
     system = read_system(given)
     found = identified(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
-    data: dict[str, Any] = dict(found.to_dict())
+    data: dict[str, Any] = found.to_dict()
     return _answer(given, found, [], **data)
 
 

@@ -121,8 +121,7 @@ class Bow(Part):
         """Make a bow from a measured curve, e.g. run-out readings along the shaft.
 
         An amplitude is the distance of the centre line from the straight axis. A dial gauge shows
-        twice as much in one turn: divide its total indicator reading by 2, as `read_table` does for
-        "total_run_out".
+        twice as much in one turn: halve its total indicator reading, as `read_table` does it.
 
         Parameters
         ----------
@@ -203,8 +202,7 @@ class Bow(Part):
         ----------
         f : callable
             Function of the distance x from the left end of the shaft [m]. It returns the complex
-            deflection b_y + i b_z [m]. Making the system calls it once at each of 1001 equally
-            spaced points.
+            deflection b_y + i b_z [m]. Making the system calls it at 1001 equally spaced points.
 
         Returns
         -------
@@ -359,8 +357,7 @@ class BowLimit(Part):
             C/D" (4800, 9000 and 13200 µm over √n with the speed n [1/min] of the shaft), or
             "API 617" (25.4 µm √(12000/n), at most 25.4 µm).
         angle : float, optional
-            Direction of the probe, from y towards z [rad]; None is the direction with the largest
-            displacement.
+            Direction of the probe, from y towards z [rad]; None is that of the largest one.
         support : str, optional
             Support, housing or point of a housing on which the probe stands; None is the ground.
         """

@@ -53,8 +53,7 @@ class TransmissionError(Part):
     driven : sequence of (float, float), optional
         The same for the driven shaft.
     table : sequence of float, optional
-        Values at 0, 1/n, 2/n, … of the mesh cycle [m], at least three; a periodic cubic spline goes
-        through them.
+        Values at 0, 1/n, 2/n, … of the mesh cycle [m], at least three, of a periodic cubic spline.
 
     Notes
     -----
@@ -91,8 +90,7 @@ class MeshFriction(Part):
     coefficient : float, optional
         Coefficient of friction μ; a plain number in place of a `MeshFriction` has the same meaning.
     viscosity : float, optional
-        Dynamic viscosity of the oil at its temperature in the gearbox [Pa s]; with `roughness` in
-        place of `coefficient`.
+        Dynamic viscosity of the oil at its temperature [Pa s]; with `roughness`, no `coefficient`.
     roughness : float, optional
         Arithmetic mean roughness Ra of the flanks [m].
     lubricant_factor : float, optional
@@ -176,8 +174,7 @@ class Gear(Part):
     teeth : int
         Number of teeth.
     internal : bool
-        Whether the teeth point inwards: a ring gear, which turns in the same direction as its
-        pinion.
+        Whether the teeth point inwards: a ring gear, which turns like its pinion.
     module : float
         Module [m], of a helical gear the normal module; give either this or `base_radius`.
     base_radius : float
@@ -207,8 +204,7 @@ class Gear(Part):
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
     runout : complex
-        Eccentricity of the base circle relative to the axis of the shaft [m]; its argument is the
-        angle in the shaft.
+        Eccentricity of the base circle to the axis [m]; its argument is the angle in the shaft.
 
     Examples
     --------

@@ -27,8 +27,7 @@ class PadFilm(ReadOnly):
     Parameters
     ----------
     angles, thickness, pressure : ndarray, shape (n,)
-        Angles from y towards z [rad], thickness of the film [m], pressure above the surroundings
-        [Pa].
+        Angles from y towards z [rad], thickness of the film [m], pressure over that outside [Pa].
     pivot : float or None
         Angle of the pivot of a tilting pad [rad].
 
@@ -303,14 +302,12 @@ class JournalBearing(Part):
         Returns
         -------
         FilmCoefficients
-            Stiffness, damping, eccentricity ratio and attitude angle. y is across the load, z
-            along it.
+            Stiffness, damping, eccentricity ratio and attitude angle; z is along the load.
 
         Raises
         ------
         SceneError
-            If load or speed is not positive, an entry of the bearing is impossible, or the journal
-            touches the bearing.
+            If an entry of the bearing is impossible, or the journal touches the bearing.
         """
         return _coefficients(self, load, speed)
 
@@ -347,11 +344,9 @@ class TiltingPadBearing(Part):
     offset : float, optional
         Place of the pivot, as a part of the extent in the direction of rotation, by default 0.5.
     orientation : float, optional
-        Angle of the first pivot, from y towards z [rad]. None puts the load along −z between two
-        pads.
+        Angle of the first pivot, from y towards z [rad]. None puts the load between two pads.
     pad_inertia : float, optional
-        Moment of inertia of a pad about its pivot [kg m²]. Only reduced coefficients may be without
-        it.
+        Moment of inertia of a pad about its pivot [kg m²]; reduced coefficients need none.
     pivot_stiffness : float, optional
         Stiffness of a pivot along its radius [N/m]. None is a rigid pivot.
     pad_mass : float, optional
@@ -418,8 +413,7 @@ class TiltingPadBearing(Part):
         load, speed : float
             Load along −z [N], and speed of the shaft about +x [rad/s], positive.
         frequency : float, optional
-            Frequency of the vibration [rad/s] at which the motions of the pads are eliminated. None
-            is that of the rotation.
+            Frequency at which the pads are eliminated [rad/s]. None is that of the rotation.
 
         Returns
         -------
@@ -486,8 +480,7 @@ class SqueezeFilm(Support):
     loss_factor : float
         Loss factor η of the centring spring.
     support : str or (str, str), optional
-        Name of the housing on which the film stands, or (elastic housing, interface). None: the
-        ground.
+        Name of the housing below the film, or (elastic housing, interface). None: the ground.
     diameter, length, clearance : float
         Diameter of the ring, length of the film and radial clearance [m].
     viscosity : float
@@ -495,8 +488,7 @@ class SqueezeFilm(Support):
     film : {"short", "finite"}, optional
         Model of the film, as for `JournalBearing`; short by default, which has open ends.
     ruptures : bool
-        Whether the film ruptures where it is stretched (π film) or not (2π film, in oil under
-        pressure).
+        Whether the film ruptures where it is stretched (π film) or not (2π film, under pressure).
 
     Notes
     -----

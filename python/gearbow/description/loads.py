@@ -53,11 +53,9 @@ class Coupling(Part):
     offset : complex
         Parallel misalignment y + iz of the axis of b to that of a, fixed in space [m].
     angle : complex
-        Angular misalignment of the axis of b to that of a, fixed in space: slopes along y + iz
-        [rad].
+        Angular misalignment of the axis of b to that of a, fixed in space: slopes y + iz [rad].
     runout : complex
-        Eccentricity of the hub of b [m]. It turns with the shaft; its argument is its angle in the
-        rotating shaft [rad].
+        Eccentricity of the hub of b [m], which turns; its argument is its angle in the shaft [rad].
 
     Examples
     --------
@@ -140,8 +138,7 @@ class Force(Part):
         fixed in space, or in the frame of a carrier that turns with planets on bearings. A force of
         order 1 belongs to the synchronous response, with its bow.
     axial : complex
-        Constant force along the axis of the shaft, towards +x [N]; a phasor as a source of
-        `frequency_response`.
+        Constant force along the axis, towards +x [N]; a phasor as a source.
 
     Examples
     --------
@@ -183,8 +180,7 @@ class Bearing(Part):
     damping : float, pair, 2×2 array or SpeedTable
         Damping [N s/m], in the same forms.
     axial_stiffness : float
-        Stiffness along the axis of the shaft [N/m]. One bearing of a shaft with helical gears needs
-        it.
+        Stiffness along the axis [N/m]. One bearing of a shaft with helical gears needs it.
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
     tilting_stiffness, tilting_damping : float
@@ -193,8 +189,7 @@ class Bearing(Part):
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
     dynamic_rating, static_rating : float, optional
-        Basic load ratings C and C₀ of the rolling bearing for which it stands [N]: `bearing_life`
-        then contains it.
+        Basic load ratings C and C₀ of a rolling bearing [N], which `bearing_life` then contains.
     contact : {"ball", "roller"}, optional
         Rolling elements of a bearing with a rating; None is balls.
     contact_angle : float, optional
@@ -313,8 +308,7 @@ class MeshExcitation(Part):
         The mesh, "driver/driven" or (driver, driven) in either order.
     error : complex
         Phasor e of the unloaded transmission error along the line of action in the transverse
-        section [m]. It acts on the drive flank with the force (k + iωc) e there, as material
-        removed from the flank.
+        section [m]. The force (k + iωc) e on the drive flank acts as if material was removed there.
 
     Examples
     --------

@@ -33,8 +33,7 @@ class Support(Part):
     mass : float
         Mass m [kg].
     stiffness : float, pair or 2×2 array
-        Stiffness to the ground or housing [N/m]: a number for every direction, (yy, zz), or
-        [[yy, yz], [zy, zz]].
+        Stiffness to the ground or housing [N/m]: a number, (yy, zz), or [[yy, yz], [zy, zz]].
     damping : float, pair or 2×2 array
         Damping to the ground or housing [N s/m], in the same forms.
     axial_stiffness : float, optional
@@ -111,8 +110,7 @@ class Housing(Part):
     mass : float
         Mass m [kg].
     stiffness : float, pair or 2×2 array
-        Stiffness to the ground at the centre of mass [N/m]: a number for every direction, (yy, zz),
-        or [[yy, yz], [zy, zz]].
+        Stiffness to the ground at the centre of mass [N/m], as that of `Support`.
     damping : float, pair or 2×2 array
         Damping to the ground at the centre of mass [N s/m], in the same forms.
     axial_stiffness : float, optional
@@ -130,8 +128,7 @@ class Housing(Part):
     rotational_stiffness, rotational_damping : (float, float, float)
         Those to the ground about x, y and z [N m/rad, N m s/rad].
     points : mapping of {str: (float, float, float)}
-        Points (x, y, z) [m] whose motion can be recorded by name, for example those of
-        accelerometers.
+        Points (x, y, z) [m] whose motion can be recorded by name, as of accelerometers.
     elastic : ElasticBody, optional
         Modes of an elastic housing, which `from_matrices` makes.
 
@@ -206,8 +203,7 @@ class Housing(Part):
         Returns
         -------
         Housing
-            The housing. Its weight counts if it is free; the sag of a clamped one by its own weight
-            is left out.
+            The housing. Its weight counts if it is free; the own sag of a clamped one is left out.
 
         Raises
         ------

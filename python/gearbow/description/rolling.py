@@ -293,8 +293,7 @@ class RollingBearing(Part):
         load : float
             Load of the shaft on the bearing along −z [N].
         thrust : float
-            Load of the shaft on the bearing along +x [N], which presses the elements for a positive
-            contact angle.
+            Load on the bearing along +x [N]; it presses elements with a positive contact angle.
         tilt : (float, float)
             Rotations of the shaft about y and z [rad], which the shaft prescribes.
 
@@ -379,8 +378,7 @@ class RollingBearing(Part):
     def estimate(self) -> RollingEstimate | None:
         """Elements estimated from a designation or from boundary dimensions.
 
-        Fields that the bearing gives itself are left out; None for a bearing without designation
-        and boundary.
+        Fields that the bearing gives are left out; None without designation and boundary.
         """
         found = rolling_estimate(self._describe("bearing"))
         return None if found is None else RollingEstimate(**found)

@@ -283,8 +283,7 @@ class SpeedTable(Part):
         [[yy, yz], [zy, zz]]; with `frequencies` at each speed and frequency, or at each frequency
         if `speeds` is None.
     outside : str
-        "error" rejects speeds and frequencies outside the table; "hold" uses the first or the last
-        value there.
+        "error" rejects speeds and frequencies outside; "hold" uses the first or last value.
     frequencies : array_like, shape (m,), optional
         Magnitudes of the frequency of the vibration [rad/s], ascending from zero or above; at least
         two. None if the frequency has no effect.

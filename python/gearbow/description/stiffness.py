@@ -28,8 +28,7 @@ class Stiffness(Part):
         Largest stiffness of one tooth pair [N/m], for "square" and "parabolic"; of helical teeth
         where the pair touches over its whole face width.
     end_ratio : float, optional
-        Stiffness of a pair at the ends of the path of contact divided by that in the middle, for
-        "parabolic".
+        Stiffness of a pair at the ends of the path over that in the middle, for "parabolic".
     values : sequence of float, optional
         Stiffness at equal intervals of the mesh cycle [N/m], for "table".
     amplitudes, phases : sequence of float, optional
@@ -41,8 +40,7 @@ class Stiffness(Part):
     phase : {"twist", "prescribed"}, optional
         What determines the position of the teeth on the path of contact.
     foundation : {"separate", "shared"}, optional
-        Whether pairs in simultaneous contact share the compliance of fillet and gear body, for
-        "potential_energy".
+        Whether pairs share the compliance of fillet and gear body, for "potential_energy".
 
     Notes
     -----
@@ -177,8 +175,7 @@ class Stiffness(Part):
         pair : float
             Stiffness of one pair in the middle of the path [N/m].
         end_ratio : float
-            Stiffness at the ends of the path divided by `pair`, for the centres at rest. The
-            default is 0.6.
+            Stiffness at the ends of the path over `pair`, for the centres at rest; 0.6 by default.
         engagement : "sharp" or float
             Engagement of a pair: "sharp" is instantaneous; a number is the length of the engagement
             as a fraction of the base pitch. The default is 0.1.
@@ -293,8 +290,7 @@ class Stiffness(Part):
         mean : float
             Mean over the cycle [N/m].
         amplitudes, phases : array_like, shape (n,)
-            Amplitudes a [N/m] and phases p [rad] of the harmonics 1, 2, …; phases are zero by
-            default.
+            Amplitudes a [N/m] and phases p [rad] of the harmonics 1, 2, …; p is 0 by default.
         phase : {"twist", "prescribed"}
             What determines the position of the teeth on the path of contact; see the class.
 

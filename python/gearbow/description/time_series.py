@@ -28,8 +28,7 @@ class TimeSeries(Part):
     values : array_like, shape (k,), real or complex
         Torque [N m], or force y + iz [N], at each time.
     slopes : array_like, shape (k,), real or complex, optional
-        Derivative over time at each time. None: that of the monotone cubic (PCHIP), which does not
-        overshoot the values.
+        Derivatives at the times. None: those of the monotone cubic (PCHIP), without overshoot.
 
     Examples
     --------

@@ -216,8 +216,7 @@ def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
     Parameters
     ----------
     path : str or path-like
-        A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive, also ``.zip``) of
-        version 1.0 to 2.0.
+        A file of version 1.0 to 2.0: ``.rexs``, ``.rexsj`` (JSON), ``.rexsz`` or ``.zip``.
 
     Returns
     -------

@@ -176,8 +176,7 @@ class Measurement(Figured, ReadOnly):
             one it is the SI unit. It says what its amplitudes are by "pp", "p-p" or "pk-pk" (peak
             to peak), "pk" or "0-pk" (zero to peak) or "rms": "amplitude p-p [mil]".
         probes : mapping, optional
-            Probes by their names in the table. The name "input@0.2 y" or "input@200 mm z" says
-            where a probe is.
+            Probes by their names in the table; "input@0.2 y" or "input@200 mm z" says the place.
         detection : {"peak", "peak-to-peak", "rms"}, optional
             What amplitudes are whose heading does not say it; None is zero to peak.
         **options

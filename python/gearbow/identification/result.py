@@ -80,8 +80,7 @@ class Identification(Figured, ReadOnly, Estimates[S]):
     estimates : ndarray, shape (components,)
         The components.
     covariance : ndarray, shape (components, components)
-        Covariance of the components. A component that the data do not determine has an infinite
-        variance.
+        Covariance of the components; infinite for one that the data do not determine.
     factor : float
         Half width of a 95 % interval over the standard deviation.
     singular_values : ndarray, shape (components,)

@@ -52,8 +52,7 @@ def examples() -> dict[str, Example]:
     Returns
     -------
     dict of str to Example
-        Machines by name: trains, gearboxes and rotors with bows, from 45 to 2,000 degrees of
-        freedom.
+        Trains, gearboxes and rotors with bows by name, from 45 to 2,000 degrees of freedom.
 
     Examples
     --------

@@ -394,8 +394,7 @@ def waterfall(
         One run at a changing speed; or runs at constant speeds, in any order, with equal output
         steps and numbers of times.
     at : str, tuple or SignalSensor
-        A gear or disk, (shaft, position [m]), (driver, driven), ("bearing", shaft, position [m])
-        or "energy".
+        A gear or disk, (shaft, x [m]), (driver, driven), ("bearing", shaft, x [m]) or "energy".
     quantity : str, optional
         Quantity, as for `Response.spectrum`.
     window : {"hann", "flat top", "none"}, optional

@@ -61,11 +61,9 @@ class EnergyBalance(Figured, ReadOnly):
     unbalance : ndarray, shape (k,)
         Work of the unbalance [J].
     teeth : ndarray, shape (k,)
-        Work of the prescribed excitation of the teeth: time-varying stiffness, transmission error
-        and run-out [J].
+        Work of the teeth: time-varying stiffness, transmission error and run-out [J].
     damping : ndarray, shape (k,)
-        Work of all damping forces, which is negative, and of the cross-coupled stiffness of
-        bearings [J].
+        Work of damping forces, negative, and of the cross-coupled stiffness of bearings [J].
 
     Notes
     -----

@@ -341,8 +341,7 @@ class MeshResponse(ReadOnly):
         Power that the friction dissipates [W].
     contact : ndarray of int8, shape (k,)
         Flanks in contact, as values of `gearbow.results.Contact`: 0 none, 1 drive, 2 back, 3 both.
-        They follow from the events, which are exact. `Response.contact_shares` gives shares of
-        the time.
+        They follow from the exact events. `Response.contact_shares` gives shares of the time.
 
     Examples
     --------

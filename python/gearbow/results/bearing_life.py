@@ -98,8 +98,7 @@ class SpectrumCase(Shown):
     speed : float
         Speed of the reference shaft [rad/s].
     torque : float
-        Torque [N m] at the place that `BearingLife.torque_at` names; NaN for the loads of the
-        system.
+        Torque [N m] at `BearingLife.torque_at`; NaN for the loads of the system.
     share : float
         Share of the time.
     bearings : tuple of RatedBearing

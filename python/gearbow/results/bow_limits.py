@@ -61,8 +61,7 @@ class ReachedLimit(Shown):
 class BowLimits(WithSpeeds, Figured, ReadOnly):
     """The bow at which each limit is reached, and the margin to the present bow.
 
-    `plot` draws the seven smallest limits that are reached against the speed, and the present
-    bow.
+    `plot` draws the seven smallest limits over the speed, and the present bow.
 
     Parameters
     ----------

@@ -39,8 +39,7 @@ class StabilityThreshold(Shown):
     whirl : str
         Whirl of the mode at this speed.
     above : {"unstable", "stable"}
-        The mode at speeds farther from zero. Unstable means a negative damping ratio: each
-        disturbance grows.
+        The mode at speeds farther from zero; unstable means a negative damping ratio.
     residual : float
         The larger one of ``|Re λ|/|λ|`` and the residual of the mode, as `Modes.residuals`.
 
@@ -144,15 +143,13 @@ class Intersection(Shown):
     mode : int
         Number of the mode in the diagram, from 0.
     line : ExcitationLine
-        The excitation. The intersection with a shaft is a critical speed, with teeth a tooth
-        resonance.
+        The excitation: of a shaft at a critical speed, of teeth at a tooth resonance.
     speed, frequency_hz, damping_ratio : float
         Speed of the reference shaft [rad/s]; frequency [Hz] and damping ratio of the mode there.
     whirl : str
         Whirl of the mode at this speed.
     residual : float
-        The larger one of the relative distance from the line and the residual of the mode, as
-        `Modes.residuals`.
+        The larger of the relative distance from the line and the residual as in `Modes`.
 
     Examples
     --------

@@ -40,8 +40,7 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
     residuals : tuple of ndarray
         Residual of the undamped mode at each critical speed, as `Modes.residuals`.
     actual : tuple of float
-        Stiffnesses along y and z of the bearings of the system that have constant coefficients
-        [N/m].
+        Stiffnesses [N/m] along y and z of the system's bearings with constant coefficients.
 
     Examples
     --------

@@ -66,8 +66,7 @@ class FrequencyResponse(HarmonicResponse):
     description : mapping
         The plain system.
     left_out : tuple of str
-        Excitations of the system that a response to a `gb.ShaftExcitation` does not contain; empty
-        without such a source.
+        Excitations that a response to a `gb.ShaftExcitation` lacks; empty without one.
 
     Examples
     --------
@@ -368,8 +367,7 @@ class FrequencyResponse(HarmonicResponse):
         Raises
         ------
         SceneError
-            If the suffix is unknown, or the response has two axes, which a universal file cannot
-            hold.
+            If the response has two axes, which a universal file cannot hold.
         """
         found, ending = check_name(path, (*self._own_endings, ".csv", ".xlsx"))
         if ending in self._own_endings:

@@ -226,8 +226,7 @@ class FrequencyComparison(Figured, ReadOnly):
     Parameters
     ----------
     measured : tuple of MeasuredCurve
-        The measured curves, each with `at`, `direction`, `quantity`, `frequencies` [rad/s] and
-        `values`.
+        The curves with `at`, `direction`, `quantity`, `frequencies` [rad/s] and `values`.
     computed : tuple of ndarray
         Values of the computed curves.
 

@@ -423,14 +423,12 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         count : int
             Number of modes in the overview.
         ax : Axes or sequence of Axes, optional
-            Panel in three dimensions for one mode, or one panel for each mode of the overview; None
-            makes a new figure.
+            Panel in three dimensions for one mode, or one for each mode; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
-            The train with shafts, gears and bearings to scale, or one panel for each mode with the
-            shapes along the shafts.
+            The train to scale with its parts, or the shapes along the shafts in a panel each.
         """
         with extra("plot"):
             from gearbow.plotting import shapes as figures  # noqa: PLC0415

@@ -44,8 +44,7 @@ class Peak(Shown):
     upper : float
         Speed N₂ beyond the peak with 1/√2 of the peak amplitude [rad/s]; NaN as above.
     operating : float or tuple of (float, float), optional
-        Operating speed, or the lowest and the highest, of one sign and not zero [rad/s]. The
-        attribute is a pair.
+        Operating speed, or the lowest and highest, of one sign [rad/s]; kept as a pair.
     stable : bool
         Whether every mode has positive damping at the speed of the peak. An unstable rotor does
         not show this peak: a mode grows until something else limits it.

@@ -332,8 +332,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         Raises
         ------
         GearbowError
-            If the train does not rotate, no harmonic is asked for, or `revolutions` is longer than
-            the record.
+            If the train does not rotate, no harmonic is asked for or `revolutions` is too long.
 
         Warns
         -----

@@ -185,8 +185,7 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
     values : ndarray, shape (..., sources, c)
         The signal over the `axes` of a response: phasors; numbers of an equilibrium.
     derivatives : ndarray, shape (p, ..., sources, c)
-        Its derivatives with respect to each parameter [unit of the signal over that of the
-        parameter].
+        Derivatives for each parameter [unit of the signal over that of the parameter].
     sources, axes : tuple of str
         Labels of the sources, and names of the first axes of `values`.
     frequencies : ndarray or None
@@ -302,8 +301,7 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
         Returns
         -------
         matplotlib.figure.Figure
-            The relative change of each largest amplitude for 1 % of each parameter (tornado
-            diagram).
+            The change of each largest amplitude for 1 % of each parameter (tornado diagram).
         """
         return self.largest().plot(count=count, ax=ax)
 

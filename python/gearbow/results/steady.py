@@ -150,8 +150,7 @@ class SteadyState(WithSpeeds, Stored):
         They are the eigenvalues of the derivative of the state after a period with respect to the
         state before; for a motion without a period, after a tenth of the record. The rigid-body
         rotation of a train that nothing holds is left out. Modes that the run left out have the
-        multipliers e^{λT} of the linear system. Those of the default magnitude are kept, and saved
-        with the motion.
+        multipliers e^{λT} of the linear system. Those of the default magnitude are saved with it.
 
         Parameters
         ----------
@@ -226,8 +225,7 @@ class SteadyState(WithSpeeds, Stored):
         Returns
         -------
         str or None
-            "fold", "flip", "Neimark-Sacker", or None for a stable motion, as each one is that ran
-            in.
+            "fold", "flip" or "Neimark-Sacker", as which it ran in; None for a stable motion.
         """
         if self.method == "quasi-periodic":
             return None
@@ -500,8 +498,7 @@ class Continuation(WithSpeeds, Stored):
         Returns
         -------
         pandas.DataFrame
-            Columns with their unit: the parameter, "stable", "kind", and the statistics and the
-            amplitude of the signal.
+            Columns with their unit: parameter, "stable", "kind", statistics and amplitude.
         """
         return data_frame(self._of(self._first() if at is None else at, quantity))
 

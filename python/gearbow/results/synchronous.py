@@ -254,8 +254,7 @@ class Synchronous(HarmonicResponse):
         Returns
         -------
         Synchronous
-            The response minus the slow-roll amplitudes of each shaft as the source. Bearing forces
-            do not change.
+            The response minus its amplitudes at slow roll. Bearing forces do not change.
         """
         slow = number(speed, "speed")
         runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
@@ -278,8 +277,7 @@ class Synchronous(HarmonicResponse):
         source : str, optional
             The shaft that excites; None is the shaft of the place.
         operating : float or tuple of (float, float), optional
-            Operating speed of the reference shaft, or the lowest and the highest [rad/s]; of one
-            sign and not zero.
+            Operating speed, or the lowest and the highest [rad/s], of one sign and not zero.
 
         Returns
         -------
@@ -368,11 +366,9 @@ class Synchronous(HarmonicResponse):
             A gear or disk by name, (shaft, position [m]), a support, a housing or its point, or a
             sensor; None is the three gears or disks with the largest orbits.
         source : str, optional
-            The shaft that excites; None is the shaft of each place, and every shaft for a place on
-            none.
+            The shaft that excites; None is that of each place, or every one for a place on none.
         operating : float or tuple of (float, float), optional
-            Operating speed of the reference shaft, or the lowest and the highest [rad/s], which
-            the figure shades.
+            Operating speed, or the lowest and the highest [rad/s], which the figure shades.
         ax : sequence of two Axes, optional
             Panels for phase and amplitude; None makes a new figure.
         speed_unit : str, optional
@@ -470,8 +466,7 @@ class Synchronous(HarmonicResponse):
             Major semi-axis of the orbits; amplitude and phase, as `bode`; or both as a curve in the
             complex plane, with the speed at its ends and its largest amplitude.
         source : str, optional
-            The shaft that excites. None is every shaft for "orbit", and as in `bode` for the
-            others.
+            The shaft that excites. None is every shaft for "orbit", else as in `bode`.
         ax : Axes or sequence of Axes, optional
             One panel for each place, two for "bode", one for "polar"; None makes a new figure.
         speed_unit : str, optional

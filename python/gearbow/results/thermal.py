@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 class ThermalStability(WithSpeeds, Figured, ReadOnly):
     """Growth of a thermal bow over the speed.
 
-    `plot` draws real and imaginary part of the loop gain over the speed, and the rate of growth
-    below.
+    `plot` draws the loop gain over the speed, and the rate of growth below.
 
     Parameters
     ----------
@@ -166,8 +165,7 @@ class ThermalStability(WithSpeeds, Figured, ReadOnly):
 class ThermalSpiral(WithSpeeds, Figured, ReadOnly):
     """Temperature difference and vibration of a thermal bow over time, at one speed.
 
-    `plot` draws the path of the vibration in the complex plane, and beside it its amplitude
-    over time.
+    `plot` draws the vibration in the complex plane, and its amplitude over time.
 
     Parameters
     ----------

@@ -252,8 +252,7 @@ def dataset(
     description : str
         What the data are for; the first paragraph of the data card.
     executor : concurrent.futures.Executor, optional
-        Runs the samples, as for `sweep`. Functions for processes and clusters must be at the top of
-        a module.
+        Runs the samples, as for `sweep`; processes need functions at the top of a module.
     store : str or path-like, optional
         A ".sweep" file to which each finished sample is written at once. After an interruption, the
         same call computes the missing samples only.

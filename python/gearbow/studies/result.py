@@ -263,8 +263,7 @@ class Tradeoff(Result, Generic[S]):
         Difference of these two runs: the uncertainty of the reference, at
         least the round-off error.
     discretisation : tuple of (str, mapping of {str: float}), optional
-        Name of a model with more elements, and the difference of the given system from it for
-        each signal.
+        Name of a model with more elements, and the difference from it for each signal.
     duration : float
         Simulated time [s].
     speed : float

@@ -53,14 +53,12 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         refused: other parameters, functions, or versions of gearbow or Python. What `make` and
         `measure` call in other modules is not compared.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 
     Returns
     -------
     Sweep
-        The values of all points. A point with an error is one of `Sweep.failed`; the others are
-        computed.
+        The values of all points; one with an error is among `Sweep.failed`.
 
     Raises
     ------

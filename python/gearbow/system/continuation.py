@@ -102,8 +102,7 @@ def continuation(
     max_points : int
         Largest number of points.
     initial : {"synchronous", "static", "rest"} or SteadyState
-        Motion from which the search of the first steady state starts; a steady state that
-        started at the time 0.
+        Motion from which the first search starts; a steady state that started at time 0.
     record : sequence of str or tuple, optional
         Recorded items, as for `simulate`.
     geometry : {"live", "frozen"}
@@ -115,8 +114,7 @@ def continuation(
     Returns
     -------
     Continuation
-        The branch. Where it ends before `end`, `Continuation.message` and an `AccuracyWarning`
-        say why.
+        The branch. `Continuation.message` and an `AccuracyWarning` say why it ends early.
 
     Raises
     ------

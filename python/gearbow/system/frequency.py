@@ -42,8 +42,7 @@ def frequency_response(
         which (1, -1j) rotates forward. The value of a torque and the axial part of a force are
         phasors.
     speed : float or array_like, shape (m,), optional
-        Speed of the reference shaft [rad/s], or several, each with all frequencies. None is the
-        standing train.
+        Speed of the reference shaft [rad/s], or several, each with all frequencies; None is 0.
     order : float or array_like, shape (m,), optional
         Frequency over the speed of the reference shaft, or several.
     speeds : array_like, shape (k,), optional

@@ -166,8 +166,7 @@ def static(
     Returns
     -------
     Static
-        Displacements, mesh states and bearing forces, and the forces that remain unbalanced
-        (`residual`).
+        Displacements, mesh states, bearing forces, and what remains unbalanced (`residual`).
 
     Raises
     ------
@@ -280,8 +279,7 @@ def campbell(
         Speeds of the reference shaft [rad/s], from 0 or any other speed away from it. Negative ones
         are a rotation in the other sense, for example 0, -100, -200.
     count : int
-        Number of modes, from the lowest frequency at the first speed. The rigid-body rotation
-        does not count.
+        Number of modes without the rotation, from the lowest frequency at the first speed.
     harmonics : int
         Number of harmonics of every tooth frequency; 0 omits the teeth.
     threads : int, optional

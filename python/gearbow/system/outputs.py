@@ -125,16 +125,14 @@ def report(
     title : str, optional
         Heading of the page; None is the name of the file.
     endurance_limit, tensile_strength : float or mapping, optional
-        Strength of the shafts [Pa], for all or by name, as for `stresses`; None gives stresses
-        without utilisation.
+        Strength of the shafts [Pa], as for `stresses`; None gives stresses without utilisation.
     company, author, document_number, date : str, optional
         Facts of the document below the heading, as they are.
     language : {"en", "de"}
         Language of the page, English or German. Numbers, messages of errors and warnings and the
         names in the description are the same in both.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives the
-        completed fraction.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 
     Raises
     ------

@@ -460,8 +460,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive, also ``.zip``) of
-            version 1.0 to 2.0.
+            A file of version 1.0 to 2.0: ``.rexs``, ``.rexsj`` (JSON), ``.rexsz`` or ``.zip``.
         load_case : int, optional
             Number of the load case in the order of the file, from 1, whose torques and forces act.
             None is the first one. `gearbow.rexs_contents` lists them, with their speeds.
@@ -476,8 +475,7 @@ class RotorSystem(CheckedKeywords, Shown):
             estimated elements, if gearbow knows their dimensions or designation; "catalogue" or
             None is this for all.
         couplings : mapping of str to float, mapping or None, optional
-            The same for couplings: a torsional stiffness [N m/rad], or parameters of
-            `gearbow.Coupling`.
+            The same for couplings: a torsional stiffness [N m/rad] or fields of `Coupling`.
 
         Returns
         -------

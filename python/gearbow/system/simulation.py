@@ -126,8 +126,7 @@ def simulate(
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
     checkpoint : str or path-like, optional
         A ``.npz`` file for the state and the recorded data during the run. After an
         interruption, the same call continues the run, with the same result as without

@@ -181,15 +181,13 @@ def steady_state(
     step : float, optional
         Fixed step [s]; the period is divided into steps of at most this length.
     rtol : float, optional
-        Tolerance of the integration, as for `simulate`. The iteration ends where its error is
-        below it.
+        Tolerance of the integration, as for `simulate`, and of the error of the iteration.
     stages : int, optional
         Number of Gauss nodes in a step, 1 to 4.
     modes : int, optional
         Number of modes, as for `simulate`.
     initial : {"synchronous", "static", "rest"}, Response or SteadyState
-        Motion from which the iteration starts. Where several motions exist, it decides which
-        is found.
+        Motion from which the iteration starts; it decides which of several ones is found.
     output_step : float, optional
         Longest time between recorded instants [s], which divide the period evenly. None
         resolves shaft rotation and tooth passing.
@@ -200,8 +198,7 @@ def steady_state(
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 
     Returns
     -------

@@ -49,8 +49,7 @@ def tradeoff(  # numpydoc ignore=PR01
         a mesh (driver, driven). With several signals the worst error counts. None is the first
         gear, or the first disk of a system without gears.
     methods : str or list of str, optional
-        Methods to run, names of `gearbow.studies.METHODS`; None is all. Simplified models use
-        the first one.
+        Methods to run, of `gearbow.studies.METHODS`; None is all. Simplified models use the first.
     steps : list of float, optional
         Steps of the methods with fixed steps [s]; None is a series of steps for each method.
     tolerances : list of float, optional
