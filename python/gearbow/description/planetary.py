@@ -491,13 +491,17 @@ def planet_masses(
         return []
     distance = geometry[_ends(first)]["centre_distance"]
     planets = [(masses[gears[name].shaft], distance) for name in stage._planets()]
-    return [orbiting(f"{stage.planet.name} masses", first.carrier, planets)]
+    return [Disk(**orbiting(f"{stage.planet.name} masses", first.carrier, planets))]
 
 
-def orbiting(name: str, carrier: tuple[str, float], planets: Sequence[tuple[float, float]]) -> Disk:
+def orbiting(
+    name: str, carrier: tuple[str, float], planets: Sequence[tuple[float, float]]
+) -> dict[str, Any]:
     """Give masses [kg] at distances [m] from the axis of their carrier as a disk on it."""
+    (shaft, position), mass = carrier, sum(mass for mass, _ in planets)
     polar = sum(mass * distance**2 for mass, distance in planets)
-    return Disk(name, *carrier, sum(mass for mass, _ in planets), 0.5 * polar, polar)
+    found = {"name": name, "shaft": shaft, "position": position, "mass": mass}
+    return found | {"diametral_inertia": 0.5 * polar, "polar_inertia": polar}
 
 
 def tooth_angles(

@@ -161,9 +161,8 @@ def _read(
 ) -> tuple[dict[str, Plain], RexsContents]:
     """Give the description of a file, and its contents."""
     for kind, reason in _REFUSED.items():
-        for component in file.components.values():
-            if component.kind == kind:
-                raise component.error(f"gearbow cannot represent it: {reason}")
+        for component in file.of_kind(kind):
+            raise component.error(f"gearbow cannot represent it: {reason}")
     planets = Planets(file)
     train = _Train(file, planets)
     cases = file.load_cases or (file.components,)
@@ -266,23 +265,17 @@ class _Train:
         self.notes: list[str] = []
         self._names: set[str] = set()
         self._without_material: list[str] = []
-        parts = file.related("assembly") + file.related("ordered_assembly")
         #: The shaft that carries each part.
         self._carrier = {
-            refs["part"].id: refs["assembly"].id
-            for refs in parts
-            if {"part", "assembly"} <= refs.keys() and refs["assembly"].kind == "shaft"
+            part.id: whole.id for part, whole in file.assembled() if whole.kind == "shaft"
         }
-        shafts = [each for each in self._of_kind("shaft") if each.id not in planets.left_out]
+        shafts = [each for each in self._file.of_kind("shaft") if each.id not in planets.left_out]
         if not shafts:
             raise file.error("has no shaft")
         self.reference = self._reference(shafts)
         self.shafts = Shafts(file, self.reference, self.notes)
         self.placed = {shaft.id: self._place(shaft) for shaft in shafts}
         self._gear_names: dict[int, str] = {}
-
-    def _of_kind(self, *kinds: str) -> list[Component]:
-        return [each for each in self._file.components.values() if each.kind in kinds]
 
     def _reference(self, shafts: list[Component]) -> Component:
         """Find the shaft whose speed the file defines; the first without one."""
@@ -294,7 +287,7 @@ class _Train:
     def _place(self, shaft: Component) -> PlacedShaft:
         sections = [
             each
-            for each in self._of_kind("shaft_section")
+            for each in self._file.of_kind("shaft_section")
             if self._carrier.get(each.id) == shaft.id
         ]
         return self.shafts.place(shaft, self._named(shaft), sections)
@@ -315,7 +308,7 @@ class _Train:
         """Describe everything but bearings, couplings and loads."""
         shafts = [self._shaft(placed) for placed in self.placed.values()]
         kinds = ("cylindrical_gear", "ring_gear")
-        gears = [self._gear(gear) for kind in kinds for gear in self._of_kind(kind)]
+        gears = [self._gear(gear) for kind in kinds for gear in self._file.of_kind(kind)]
         by_name = {gear["name"]: gear for gear in gears}
         if self._without_material:
             names = ", ".join(f'"{name}"' for name in self._without_material)
@@ -325,7 +318,7 @@ class _Train:
             "reference": self.placed[self.reference.id].name,
             "gears": gears,
             "meshes": [self._mesh(refs, by_name) for refs in self._file.related("stage")],
-            "disks": [self._disk(each) for each in self._of_kind("additional_mass")],
+            "disks": [self._disk(each) for each in self._file.of_kind("additional_mass")],
             **{key: [] for key in ("bearings", "couplings", "torques", "forces")},
             "gravity": self._gravity(),
         }
@@ -487,7 +480,7 @@ class _Train:
         }
 
     def _gravity(self) -> list[float] | None:
-        for unit in self._of_kind("gear_unit"):
+        for unit in self._file.of_kind("gear_unit"):
             if not unit.flag("account_for_gravity"):
                 continue
             names = [f"direction_vector_gravity_{axis}" for axis in "uvw"]

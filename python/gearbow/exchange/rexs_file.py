@@ -155,6 +155,15 @@ class RexsFile:
         """Make an error of the file."""
         return SceneError(f"{self.path}: {text}")
 
+    def of_kind(self, *kinds: str) -> list[Component]:
+        """Give the components of some types."""
+        return [each for each in self.components.values() if each.kind in kinds]
+
+    def assembled(self) -> list[tuple[Component, Component]]:
+        """Give each part with its whole, by the relations of assemblies."""
+        refs = [*self.related("assembly"), *self.related("ordered_assembly")]
+        return [(e["part"], e["assembly"]) for e in refs if {"part", "assembly"} <= e.keys()]
+
     def related(self, kind: str) -> list[Mapping[str, Component]]:
         """Give the components of all relations of a kind."""
         return [relation.refs for relation in self.relations if relation.kind == kind]

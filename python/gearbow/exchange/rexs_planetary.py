@@ -31,7 +31,7 @@ def with_orbits(description: dict[str, Any]) -> dict[str, Any]:
             one = (masses[gears[planet]["shaft"]][0], mesh["centre_distance"])
             found.setdefault(tuple(mesh["carrier"]), []).append(one)
     disks = [
-        orbiting(f"planet masses on {carrier[0]}", carrier, planets)._describe("disks")
+        orbiting(f"planet masses on {carrier[0]}", carrier, planets)
         for carrier, planets in found.items()
     ]
     return {**description, "disks": [*description.get("disks", ()), *disks]}
@@ -42,16 +42,12 @@ class Planets:
 
     def __init__(self, file: RexsFile) -> None:
         self._file = file
-        self.stages = [each for each in file.components.values() if each.kind == "planetary_stage"]
+        self.stages = file.of_kind("planetary_stage")
         #: Types of components of a file with stages that are read.
         self.kinds = {"planetary_stage", "planet_carrier", "side_plate"} if self.stages else set()
         own = self._shafts("planet_carrier_shaft")
-        carried = {
-            refs["part"].id
-            for refs in file.related("assembly")
-            if {"part", "assembly"} <= refs.keys() and refs["assembly"].kind == "planet_carrier"
-        }
-        plates = {each.id for each in file.components.values() if each.kind == "side_plate"}
+        carried = {part.id for part, whole in file.assembled() if whole.kind == "planet_carrier"}
+        plates = {each.id for each in file.of_kind("side_plate")}
         #: Pins and side plates, which are rigid parts of the carrier.
         self.left_out = (self._shafts("planet_pin") | carried | plates | self._between(own)) - own
         self._carriers = own

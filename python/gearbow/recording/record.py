@@ -243,6 +243,15 @@ class RunRecord(Shown):
             f"(recorded: {recorded})"
         )
 
+    def asked(self, by: str) -> RunRequest:
+        """Give the request of the run, without which the system is unknown."""
+        if self.request is None:
+            raise GearbowError(
+                f"{by}: this response does not know its system; take a response that simulate "
+                "returned or that save wrote"
+            )
+        return self.request
+
     def _to_record(self) -> "RunRecord":
         """Give the record, as a response does."""
         return self

@@ -15,7 +15,7 @@ from gearbow.accuracy import estimate_errors
 from gearbow.description.part import parts
 from gearbow.description.shafts import Notch
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import SceneError
 from gearbow.orders.fit import Orders, orders
 from gearbow.orders.spectrum import Spectrum, channel, spectrum
 from gearbow.recording import channels
@@ -211,13 +211,9 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
             If the initial state does not satisfy its equations.
         """
         if self._errors is None:
-            if self.request is None:
-                raise GearbowError(
-                    "errors: this response does not know its system; take the errors of a response "
-                    "that simulate returned or that save wrote"
-                )
+            request = self._to_record().asked("errors")
             with working(None, "errors, by more accurate runs"):
-                self._errors = estimate_errors(self.request, self.statistics.modes)
+                self._errors = estimate_errors(request, self.statistics.modes)
         return self._errors
 
     def measure(self, sensor: Sensor) -> Array:

@@ -287,12 +287,7 @@ def _motion(
     """Collect the motion of all recorded gears and disks at the times of the frames."""
     from gearbow.plotting import animation  # noqa: PLC0415
 
-    if run.request is None:
-        raise GearbowError(
-            "animate: this response does not know its system; take a response that simulate "
-            "returned or that save wrote"
-        )
-    description = run.request.description
+    description = run.asked("animate").description
     train = Train.of(description, Model(dict(description)).speed_ratios)
     time = np.linspace(*span, count)
     bodies = {body.name for body in train.layout.bodies if body.radius > 0.0}

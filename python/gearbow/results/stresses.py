@@ -14,7 +14,7 @@ from gearbow._shown import ReadOnly
 from gearbow._times import begin_after
 from gearbow._types import Array, ComplexArray, Section, StrengthLine
 from gearbow.description.shafts import Notch
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import SceneError
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 
@@ -343,12 +343,7 @@ def recorded_stresses(
     run: RunRecord, strength: Mapping[str, Any], notches: Sequence[Notch] | None, skip_time: float
 ) -> Stresses:
     """Give the stresses of recorded section forces after a time."""
-    if run.request is None:
-        raise GearbowError(
-            "stresses: this response does not know its system; take a response that simulate "
-            "returned or that save wrote"
-        )
-    description = run.request.description
+    description = run.asked("stresses").description
     wanted = Strength.of([shaft["name"] for shaft in description["shafts"]], **strength)
     shafts = run.recorded_shafts
     given = description.get("notches", ()) if notches is None else ()

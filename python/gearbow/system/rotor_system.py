@@ -34,7 +34,6 @@ from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, warn
 from gearbow.results.properties import Discretisation
 from gearbow.sweeps.many import simulate_many
-from gearbow.system.bearing_life import bearing_life
 from gearbow.system.bodies import write_bodies
 from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
@@ -54,8 +53,7 @@ from gearbow.system.outputs import plot, report, to_fmu
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
-from gearbow.system.strength import stresses
-from gearbow.system.thermal import thermal_bow
+from gearbow.system.strength import bearing_life, stresses, thermal_bow
 from gearbow.system.tradeoff import tradeoff
 from gearbow.units.fields import without_texts
 from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts

@@ -20,8 +20,14 @@ from gearbow.results.modes import Modes
 from gearbow.results.sensitivity import Sensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
-from gearbow.system.motions import Motions, Terms, is_damped, require_memory_of
-from gearbow.system.parameter_family import ParameterFamily
+from gearbow.system.parameter_family import (
+    Motions,
+    ParameterFamily,
+    Terms,
+    described,
+    is_damped,
+    require_memory_of,
+)
 
 if TYPE_CHECKING:
     from gearbow.results.sensitivity import ResponseSensitivity
@@ -117,9 +123,7 @@ def of_modes(family: ParameterFamily, parameters: Sequence[Parameter], of: Modes
     frequencies = np.abs(of.eigenvalues.imag) / (2.0 * math.pi)
     return Sensitivity(
         kind="frequency",
-        parameters=tuple(each.path for each in parameters),
-        parameter_values=np.array([each.value for each in parameters]),
-        units=tuple(each.unit for each in parameters),
+        **described(parameters),
         outputs=tuple(f"mode {i + 1} ({whirl})" for i, whirl in enumerate(of.whirl)),
         output_values=frequencies,
         derivatives=np.sign(of.eigenvalues.imag) * slopes.imag / (2.0 * math.pi),
@@ -192,9 +196,7 @@ def of_intersections(
     derivatives = fixed.imag / (orders - rates.imag)
     return Sensitivity(
         kind="critical speed",
-        parameters=tuple(each.path for each in parameters),
-        parameter_values=np.array([each.value for each in parameters]),
-        units=tuple(each.unit for each in parameters),
+        **described(parameters),
         outputs=tuple(f"mode {each.mode + 1} with {each.line.name}" for each in crossings),
         output_values=speeds,
         derivatives=derivatives,
