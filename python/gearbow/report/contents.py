@@ -71,7 +71,7 @@ def data(contents: Contents) -> Iterator[Block]:
         "Positions count from the left end of a shaft."
     )
     yield from parts_tables(system)
-    assumed = assumptions(system.shafts, system.gears, system.meshes, system.bearings)
+    assumed = assumptions(system)
     if assumed:
         yield Table(
             say("Assumed where the description says nothing"),

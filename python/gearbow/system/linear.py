@@ -117,17 +117,7 @@ def modes(
 
 def layout_of(self: System) -> Layout:
     """Find the geometry of the train at rest."""
-    return layout(
-        self.shafts,
-        self.gears,
-        self.disks,
-        self.meshes,
-        self.bearings,
-        centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
-        couplings=self.couplings,
-        housings=self.housings,
-        sleeves=self.sleeves,
-    )
+    return layout(self, [mesh["centre_distance"] for mesh in mesh_geometry(self.description)])
 
 
 def mass_properties(self: System) -> "MassProperties":

@@ -19,7 +19,7 @@ from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_orders
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
-from gearbow.description.places import Housing, Support, names_of_bases
+from gearbow.description.places import Housing, Support
 from gearbow.description.planetary import PlanetaryStage, expanded, planet_masses, tooth_angles
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
@@ -672,17 +672,7 @@ class RotorSystem(CheckedKeywords, Shown):
     @property
     def coordinates(self) -> Coordinates:
         """Degrees of freedom by name and place."""
-        own = (bearing.support for bearing in self.bearings)
-        bases = names_of_bases(own, *self.supports, *self.housings)
-        return Coordinates.of(
-            self.dofs,
-            self.gears,
-            self.disks,
-            bases=bases,
-            housings=self.housings,
-            shafts=self.shafts,
-            sleeves=self.sleeves,
-        )
+        return Coordinates.of(self)
 
     plot = plot
     mass_properties = mass_properties
@@ -721,7 +711,7 @@ class RotorSystem(CheckedKeywords, Shown):
         return f"{type(self).__name__}({text}; accuracy {self.accuracy!r})"
 
     def __str__(self) -> str:
-        assumed = assumptions(self.shafts, self.gears, self.meshes, self.bearings)
+        assumed = assumptions(self)
         return "\n".join([repr(self), *(f"  assumed for {text}" for text in assumed)])
 
     def _rows(self) -> Table:
