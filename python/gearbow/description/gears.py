@@ -184,9 +184,8 @@ class Gear(Part):
     pressure_angle : float
         Pressure angle of the basic rack [rad], which is that in the normal section.
     helix_angle : float
-        Helix angle on the reference circle [rad], positive for a right-hand helix; gears in mesh
-        have opposite hands of the same angle, an internal gear has the hand of its pinion. A spur
-        gear has 0.
+        Helix angle on the reference circle [rad], positive for a right hand; gears in mesh have
+        opposite hands, an internal gear that of its pinion. A spur gear has 0.
     profile_shift : float
         Profile shift coefficient x; needs `module`. Meshes without `centre_distance` place the
         centres so that the flanks have no play. That of an internal gear has the sign of ISO 21771:
@@ -242,8 +241,7 @@ class Mesh(Part):
         Names of the driving and the driven gear.
     stiffness : float or Stiffness, optional
         Stiffness along the line of action, normal to the teeth: a constant [N/m], or a model. None
-        is the mean stiffness of ISO 6336-1, `Stiffness.iso6336`, which needs the face width of both
-        gears.
+        is `Stiffness.iso6336`, the mean of ISO 6336-1, with the face width of both gears.
     damping_ratio : float
         Damping ratio ζ of the damping 2ζ√(k mₑ), with the equivalent mass mₑ of the two gears on
         the line of action, all in the transverse section.

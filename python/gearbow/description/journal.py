@@ -206,8 +206,7 @@ class JournalBearing(Part):
         pad, for L/D from 0.1 to 2. The table is computed at the first use and kept on disk. None
         is "short" for a plain bearing and "finite" for other profiles.
     grooves : array_like, shape (k, 2), optional
-        Axial grooves of a finite film, in which the pressure is zero: angle of the middle, from y
-        towards z, and extent [rad].
+        Axial grooves of a finite film, without pressure: angle of the middle, and extent [rad].
     profile : {"plain", "two axial grooves", "lemon", "offset", "three-lobe", "four-lobe"}, optional
         Profile of the bore. Its grooves of 20° are at y and −y; a bearing with three lobes has the
         middle of one at −z, one with four lobes a groove there. The halves of "offset" are
@@ -424,8 +423,7 @@ class TiltingPadBearing(Part):
         Raises
         ------
         SceneError
-            If load or speed is not positive, the frequency is negative, an entry of the bearing is
-            impossible, or the journal touches a pad.
+            If an entry of the bearing is impossible, or the journal touches a pad.
         """
         # Alone, a bearing has no coordinates: a pad may be without inertia or load.
         alone = dataclasses.replace(self, reduced="synchronous")

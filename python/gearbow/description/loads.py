@@ -338,8 +338,7 @@ class GroundMotion(Part):
     axial : complex
         Phasor of the motion along x.
     under : sequence of (str or tuple of (str, float)), optional
-        Bearings (shaft, position [m]), and supports and housings by name, below which the ground
-        moves; None is all of them.
+        Bearings (shaft, position [m]), supports and housings on moving ground; None is all of them.
 
     Examples
     --------

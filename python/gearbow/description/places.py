@@ -28,8 +28,7 @@ class Support(Part):
     Parameters
     ----------
     name : str, optional
-        Name, unique in the system. A support that several bearings share needs a name, and so does
-        one whose motion is recorded.
+        Name, unique in the system; a shared support needs it, and one whose motion is recorded.
     mass : float
         Mass m [kg].
     stiffness : float, pair or 2×2 array
@@ -191,8 +190,7 @@ class Housing(Part):
             (``.mtx``), or DMIG entries of Nastran (``.pch``, ``.bdf``, ``.dat``), whose rows are in
             ascending order of grid and component.
         interfaces : mapping of {str: Interface}
-            Bearing seats, feet and sensors by names that are unique in the system. The feet of a
-            free model have a stiffness to the ground.
+            Bearing seats, feet and sensors by unique names; the feet of a free model have springs.
         highest_frequency : float
             Highest frequency of interest [Hz].
         damping_ratio : float

@@ -179,14 +179,12 @@ class PlanetaryStage(Part):
         the ring. Where the carrier drives the sun, as in a wind turbine, the ring drives the
         planets, and these the sun. Line of centres and phase of the teeth are set by the stage.
     centre_distance : float, optional
-        Distance of the planets from the axis [m]. None is the one without play, if it is the same
-        in both meshes.
+        Distance of the planets from the axis [m]. None is that without play, equal in both meshes.
 
     Raises
     ------
     SceneError
-        If the teeth of the planets do not fit between sun and ring at these angles, or if
-        neighbouring planets overlap.
+        If the planets do not fit between sun and ring at these angles, or overlap.
 
     Examples
     --------

@@ -189,9 +189,8 @@ class RollingBearing(Part):
     tilting_stiffness, tilting_damping : float
         Those against rotations of the shaft about y and z [N m/rad, N m s/rad].
     dynamic_rating, static_rating : float, optional
-        Basic load ratings C and C₀ [N], which `bearing_life` uses. None is that of a catalogue for
-        deep groove ball bearings of the series 60, 62 and 63, or that of ISO 281 and ISO 76 for the
-        elements.
+        Basic load ratings C and C₀ [N] for `bearing_life`. None is that of a catalogue for deep
+        groove ball bearings of the series 60, 62 and 63, else that of ISO 281 and ISO 76.
     support : str, Support or tuple of (str, float), optional
         What it stands on, as for `Bearing`.
 

@@ -209,8 +209,7 @@ class Shaft(Part):
     shear : bool
         Whether the model includes shear deformation; False is the Rayleigh beam.
     axial_force : float
-        Axial force [N], positive for tension, which stiffens the shaft in bending. A force at which
-        the shaft buckles is an error.
+        Axial force [N], positive for tension, which stiffens the shaft; buckling is an error.
     internal_damping : float
         Internal damping β [s]: viscous damping βK of the shaft in coordinates that rotate with it,
         of hysteresis and fits. Above a critical speed it makes the rotor unstable where the

@@ -285,8 +285,7 @@ class SpeedTable(Part):
     outside : str
         "error" rejects speeds and frequencies outside; "hold" uses the first or last value.
     frequencies : array_like, shape (m,), optional
-        Magnitudes of the frequency of the vibration [rad/s], ascending from zero or above; at least
-        two. None if the frequency has no effect.
+        At least two ascending frequencies of the vibration [rad/s]; None if they have no effect.
 
     Notes
     -----

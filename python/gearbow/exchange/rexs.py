@@ -59,8 +59,7 @@ class LoadCase(Shown):
     number : int
         Number in the order of the file, from 1.
     speed : float or None
-        Speed of the reference shaft, positive about +x [rad/s]; None if the file has none. Results
-        at this speed show speeds in 1/min.
+        Speed of the reference shaft [rad/s]; None if the file has none. Results show it in 1/min.
     torques : dict of str to float
         The given torques, positive about +x [N m], by the name of the load.
 

@@ -71,8 +71,7 @@ class TrialInfluence(Figured, ReadOnly):
     measured, model : ndarray, shape (k,)
         Complex coefficients of the trial run and of the model between the same speeds [m/(kg m)].
     half_widths : ndarray, shape (k,)
-        Half width of the 95 % interval of each component of the measured one, which follows from
-        the noise of both runs [m/(kg m)].
+        Half width of the 95 % interval of each measured component by the noise [m/(kg m)].
     speed_unit : str
         Unit of speeds in tables, as for `table`.
 
@@ -171,8 +170,7 @@ class Correction(Figured, ReadOnly, Generic[S]):
     speed_unit : str
         Unit of speeds in tables and figures, as for `table`.
     trials : TrialInfluence, optional
-        Influence coefficients of the trial runs beside those of the model; None without runs that
-        have one trial weight each.
+        Influence coefficients of trial runs with one weight each, beside the model; None without.
     left_out : tuple of str
         Excitations of the system that the model of the vibration does not contain.
 

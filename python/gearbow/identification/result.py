@@ -43,8 +43,7 @@ class ProbeResidual(Shown):
     degrees_of_freedom : float
         Expected value of this sum: the components of the probe minus their share of the unknowns.
     probability : float
-        Probability of a larger sum if model and noise are right. A small one says that the model
-        does not describe what this probe shows.
+        Probability of a larger sum if model and noise are right; small where the model is wrong.
 
     Examples
     --------

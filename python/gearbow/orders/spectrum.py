@@ -391,8 +391,7 @@ def waterfall(
     Parameters
     ----------
     responses : Response or sequence of Response
-        One run at a changing speed; or runs at constant speeds, in any order, with equal output
-        steps and numbers of times.
+        One run at a changing speed; or runs at constant speeds with equal times, in any order.
     at : str, tuple or SignalSensor
         A gear or disk, (shaft, x [m]), (driver, driven), ("bearing", shaft, x [m]) or "energy".
     quantity : str, optional
@@ -407,15 +406,13 @@ def waterfall(
     Returns
     -------
     Waterfall
-        The spectra, by ascending speed. Those of a run-up end at 0.4 times the samples in a
-        revolution at the highest speed.
+        The spectra by ascending speed; a run-up up to 0.4 of its samples in a revolution.
 
     Raises
     ------
     GearbowError
-        If the speed of one of several runs changes, or their output steps or numbers of times
-        differ. If the times of a run-up are not equally spaced, or `revolutions` is longer than the
-        run or given for several runs.
+        If the speed of one of several runs changes, their times differ, those of a run-up are not
+        equally spaced, or `revolutions` is longer than the run or given for several runs.
 
     Examples
     --------

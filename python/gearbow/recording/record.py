@@ -332,8 +332,7 @@ class MeshResponse(ReadOnly):
     stiffness : ndarray, shape (k,)
         Mesh stiffness [N/m].
     pressure_angle : ndarray, shape (k,)
-        Operating pressure angle at the moving centres [rad]; NaN where the base circles overlap,
-        which only frozen geometry allows.
+        Operating pressure angle [rad]; NaN where base circles overlap, in frozen geometry only.
     centre_distance : ndarray, shape (k,)
         Distance between the moving centres [m].
     centre_line_angle : ndarray, shape (k,)
@@ -341,8 +340,7 @@ class MeshResponse(ReadOnly):
     contact_ratio, pairs_in_contact : ndarray, shape (k,)
         Contact ratio, NaN where base circles overlap, and number of tooth pairs that carry load.
     thrust : ndarray, shape (k,)
-        Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
-        subject to the opposite force.
+        Axial force of the teeth on the driven gear [N], opposite on the driver; zero of spur gears.
     friction_force : ndarray, shape (k,)
         Friction of all pairs on the driven gear [N], across the line of action of the pressed
         flanks, positive from the centre of the driver to its tangent point.
@@ -389,8 +387,7 @@ class Statistics(Shown):
     Parameters
     ----------
     steps, rejected, evaluations, events : int
-        Numbers of steps, of rejected steps, of evaluations of the right-hand side, and of contact
-        changes at which a step ends.
+        Numbers of steps, of rejected ones, of evaluations, and of contact changes that end a step.
     step_min, step_max : float
         Lengths of the shortest and of the longest step [s].
     omega_max : float

@@ -188,8 +188,7 @@ class Campbell(WithSpeeds, Result, ReadOnly):
     intersections : tuple of Intersection
         Intersections of modes and lines, from standstill on.
     thresholds : tuple of StabilityThreshold
-        Speeds at which the damping of a mode changes its sign, from standstill on. A negative
-        damping ratio means that the mode is unstable.
+        Speeds from standstill on at which the damping of a mode changes its sign.
 
     Notes
     -----

@@ -35,8 +35,7 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
     whirl : tuple of tuple of str
         Whirl of the mode at each critical speed.
     line : tuple of ndarray of int
-        Number of the line to which each critical speed belongs, from 0: the same mode at
-        neighbouring stiffnesses.
+        Number from 0 of the line, that of one mode, to which each critical speed belongs.
     residuals : tuple of ndarray
         Residual of the undamped mode at each critical speed, as `Modes.residuals`.
     actual : tuple of float

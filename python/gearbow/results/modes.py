@@ -235,8 +235,7 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
             A universal file (".uff", ".unv") with data sets 55, measured shapes, or modes, which
             are compared at the gears and disks, or at the nodes of systems without them.
         places : mapping of int to place, optional
-            Place of each node of a universal file that gearbow did not write. Nodes without a place
-            have no part in the comparison.
+            Place of each node of a file of another program; other nodes have no part.
 
         Returns
         -------

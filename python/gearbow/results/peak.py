@@ -39,8 +39,7 @@ class Peak(Shown):
     amplitude : float
         Major semi-axis of the orbit at the peak [m].
     lower : float
-        Speed N₁ between standstill and the peak with 1/√2 of the peak amplitude [rad/s]; NaN if
-        the range of speeds does not contain it.
+        Speed N₁ nearer to standstill with 1/√2 of its amplitude [rad/s]; NaN outside the range.
     upper : float
         Speed N₂ beyond the peak with 1/√2 of the peak amplitude [rad/s]; NaN as above.
     operating : float or tuple of (float, float), optional

@@ -111,8 +111,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
     request : RunRequest or None
         Scene and options of the run; None if unknown.
     period : float or None
-        Period of the motion [s], if this is one period of a `SteadyState`; its orders are then
-        exact. None for other runs.
+        Period [s] if this is one of a `SteadyState`, whose orders are exact; None for other runs.
 
     Examples
     --------
@@ -378,8 +377,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         Raises
         ------
         GearbowError
-            If the times are not equally spaced, the rate exceeds that of the recording, or the
-            recording is shorter than the filter.
+            If the times are not equally spaced, the rate is too high or the recording too short.
         """
         return Response._from_record(resampled(self._to_record(), rate, shaft))
 
@@ -400,8 +398,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         Parameters
         ----------
         endurance_limit : float or mapping, optional
-            Stress amplitude that a smooth specimen endures without a mean stress [Pa], as for
-            `gearbow.RotorSystem.stresses`.
+            Amplitude that a smooth specimen endures [Pa], as for `gearbow.RotorSystem.stresses`.
         tensile_strength : float or mapping, optional
             Tensile strength of the material [Pa].
         line : {"goodman", "din743"}

@@ -73,8 +73,7 @@ def plot(
         (shaft, position [m]) for "bearings"; names of shafts for "section forces". None is all
         recorded items; of places, the named ones if there are any, for "twist" those that twist.
     times : tuple of (float, float), optional
-        First and last time of the figure [s]; None is the complete record. A few revolutions
-        show what fills the figure of a long run.
+        First and last time of the figure [s], such as a few revolutions; None is the whole record.
     skip_time : float, optional
         Duration of the transient at the beginning of the run [s]. Orbits and histories show it in
         grey; spectra omit it. Scale and mean follow from the values after it; if earlier values

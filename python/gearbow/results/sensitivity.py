@@ -44,8 +44,7 @@ class Sensitivity(WithSpeeds, Result, ReadOnly):
         Derivative of each output with respect to each parameter [Hz or rad/s over the unit of the
         parameter]. NaN for a motion without stiffness.
     damping_ratios : ndarray, shape (p, m)
-        Derivative of each damping ratio [1 over the unit of the parameter]; of an intersection,
-        along its line.
+        Derivatives of the damping ratios [1 over the unit]; of an intersection, along its line.
     equal : tuple of tuple of int
         Numbers of the modes with equal eigenvalues, from 1. Their derivatives ascend and are those
         for an increase of one parameter alone; they do not add up over parameters.

@@ -212,8 +212,7 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         Raises
         ------
         SceneError
-            If the equilibrium is at standstill, the system has no lateral motion, no bearing has a
-            dynamic rating, or an argument is invalid.
+            If the shafts stand still, nothing moves laterally, or no bearing has a rating.
 
         Notes
         -----

@@ -109,8 +109,7 @@ class SteadyState(WithSpeeds, Stored):
         run with the given tolerance. For a sum, the largest of them; for
         a quasi-periodic motion, the part of the state at the begin of the record that is transient.
     periods : int
-        Number of periods that the solution integrated, with the recorded ones; without a common
-        period, of those of the slowest source.
+        Number of integrated periods with the recorded one; without a period, of the slowest source.
     method : {"linear", "nonlinear", "superposition", "quasi-periodic"}
         Whether the state after a period is an affine function of the state before; or how a motion
         without a common period was found: as a sum of motions, or by running in.
@@ -321,8 +320,7 @@ class Continuation(WithSpeeds, Stored):
     Parameters
     ----------
     signals : Response
-        Minimum, maximum, mean and root mean square about the mean of each recorded signal over a
-        period: four rows for each point.
+        Minimum, maximum, mean and RMS about it of each signal: four rows for each point.
     data : BranchData
         The points.
 

@@ -167,8 +167,7 @@ class Synchronous(HarmonicResponse):
         Returns
         -------
         ndarray, shape (speeds, shafts)
-            Semi-axis [m]. It is the sum of the radii of the forward and the backward circular
-            motion, of which the elliptic orbit consists.
+            Semi-axis [m], the sum of the radii of the forward and the backward circular motion.
         """
         return semi_axes(self.displacement(at))
 

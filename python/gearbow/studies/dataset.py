@@ -254,8 +254,7 @@ def dataset(
     executor : concurrent.futures.Executor, optional
         Runs the samples, as for `sweep`; processes need functions at the top of a module.
     store : str or path-like, optional
-        A ".sweep" file to which each finished sample is written at once. After an interruption, the
-        same call computes the missing samples only.
+        A ".sweep" file of the finished samples, with which an interrupted call continues.
     progress : bool or callable, optional
         As for `sweep`.
 

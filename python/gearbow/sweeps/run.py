@@ -37,9 +37,8 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
     make : callable
         ``make(**parameters)`` returns the system of a point.
     parameters : mapping of {str: sequence} or sequence of mapping
-        The values of each parameter: all combinations are points, and the last parameter varies
-        fastest. Or the parameters of each point, with the same names. NumPy numbers become numbers
-        of Python.
+        The values of each parameter, all combinations of which are points, the last one fastest; or
+        the parameters of each point by the same names. NumPy numbers become those of Python.
     measure : callable
         ``measure(system, **parameters)`` returns a number, an array, a text, or a dict of them.
     executor : concurrent.futures.Executor, optional

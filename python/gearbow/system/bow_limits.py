@@ -52,12 +52,10 @@ def bow_limits(
     speed : float or array_like, shape (speeds,)
         Speed of the reference shaft [rad/s], or several.
     shape : Bow, optional
-        Shape and phase of the bow; its amplitude does not matter. None is the present bow of the
-        shaft, or a half sine if it has none.
+        Shape and phase of the bow, of any amplitude. None is the present bow, or a half sine.
     phase : float or array_like, shape (shafts,), optional
-        Angle by which the shape is turned in the shaft [rad], one for all named shafts or one for
-        each; 0 keeps its own phase. None is the worst phase of each shaft relative to everything
-        else that turns.
+        Angle by which the shape is turned in the shaft [rad], for all named shafts or for each; 0
+        keeps its own phase. None is the worst phase of each shaft relative to all else that turns.
     limits : sequence of BowLimit
         Further limits: displacement, velocity, contact ratio, mesh force, bearing force or life,
         oil film, clearance of a rolling bearing.

@@ -108,8 +108,7 @@ def continuation(
     geometry : {"live", "frozen"}
         As for `simulate`.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction of the points.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 
     Returns
     -------

@@ -139,8 +139,7 @@ def mesh_response(
     harmonics : sequence of int
         Harmonics of the tooth frequency.
     error : complex
-        Phasor of the transmission error at every harmonic [m]; by default 1 µm, so that results
-        are those of each micrometre.
+        Phasor of the transmission error at every harmonic [m], by default 1 µm.
     threads : int, optional
         Largest number of threads, as for `campbell`.
 

@@ -129,8 +129,7 @@ def report(
     company, author, document_number, date : str, optional
         Facts of the document below the heading, as they are.
     language : {"en", "de"}
-        Language of the page, English or German. Numbers, messages of errors and warnings and the
-        names in the description are the same in both.
+        Language of the page; numbers, messages and names in the description are the same in both.
     progress : bool or callable, optional
         True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 

@@ -383,8 +383,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Raises
         ------
         SceneError
-            If the description is invalid, the file is not TOML, or the file of an elastic housing
-            that it names is missing or another one.
+            If the file is not TOML, or that of an elastic housing is missing or another one.
         """
         from gearbow.system.outputs import read_scene  # noqa: PLC0415  # with a TOML parser
 
@@ -401,8 +400,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file of ``rotor.save`` of ROSS 1 to 3, ``.toml`` or ``.json``. That of a
-            ``MultiRotor`` is ``.json``.
+            A file of ``rotor.save`` of ROSS 1 to 3, ``.toml``, or ``.json`` as of a ``MultiRotor``.
         meshes : sequence of Mesh
             The meshes of the gears of a ``MultiRotor``, which ROSS does not save. A gear has its
             tag as its name; `stiffness` is the ``gear_mesh_stiffness`` of ROSS, and

@@ -93,8 +93,7 @@ def simulate(
         the energy norm. None is that of the accuracy, or 1e-6 if a method is given. It excludes
         a fixed step.
     stages : int, optional
-        Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
-        number. None is 3.
+        Number of Gauss nodes in a step of "exponential", 1 to 4, half of the order. None is 3.
     modes : int, optional
         Number of modes of "exponential" and "etdrk4": the undamped modes and static displacements
         that matter most for the loads are kept. None is all, or as many as the accuracy needs.
@@ -121,8 +120,7 @@ def simulate(
         and "meshes"; for a system without gears "disks" and "bearings", for one without disks as
         well "nodes" and "bearings".
     geometry : {"live", "frozen"}
-        "live": line of action and tooth engagement follow the moving centres. "frozen": they
-        are those of the centres at rest.
+        Whether line of action and engagement follow the moving centres, or are those at rest.
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
@@ -162,8 +160,7 @@ def simulate(
         "reference"; or if the error of a reduction to `modes` exceeds the accuracy level. If the
         modes are nearly parallel, so that "rk45" replaces "exponential".
     CheckpointWarning
-        If the checkpoint cannot be written, for example on a full disk. The run continues, and
-        the file does not change.
+        If the checkpoint cannot be written; the run continues, and the file does not change.
 
     Examples
     --------

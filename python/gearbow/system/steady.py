@@ -174,8 +174,7 @@ def steady_state(
         after several of them. None is the common period, which follows from the numbers of
         teeth and from what excites: bow, unbalance, teeth, errors, run-out and loads.
     max_period : float
-        Longest accepted common period, and longest record without one [s]. Motions with a
-        longer period are found like those without one.
+        Longest common period, and record without one [s]; a longer period counts as none.
     accuracy : {"draft", "engineering", "reference"}, optional
         Accuracy of the motion, as for `simulate`.
     step : float, optional
@@ -189,8 +188,7 @@ def steady_state(
     initial : {"synchronous", "static", "rest"}, Response or SteadyState
         Motion from which the iteration starts; it decides which of several ones is found.
     output_step : float, optional
-        Longest time between recorded instants [s], which divide the period evenly. None
-        resolves shaft rotation and tooth passing.
+        Longest time between recorded instants [s]; None resolves shaft rotation and tooth passing.
     record : sequence of str or tuple, optional
         Recorded items, as for `simulate`.
     geometry : {"live", "frozen"}
@@ -209,11 +207,9 @@ def steady_state(
     Raises
     ------
     SceneError
-        If an argument is invalid, or the excitation has no common period up to `max_period`
-        and contains a load over time.
+        If there is no common period up to `max_period`, and a load over time.
     ConvergenceError
-        If the iteration does not converge; the message gives the residual. Without a common period,
-        if the motion does not settle.
+        If the iteration does not converge, or without a common period the motion does not settle.
     StabilityError, ContactError
         As for `simulate`.
 
