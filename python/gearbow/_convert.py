@@ -17,8 +17,7 @@ import numpy as np
 
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
-from gearbow.units.fields import unit_of
-from gearbow.units.values import is_quantity, magnitude
+from gearbow.units.fields import is_quantity, magnitude, unit_of
 
 #: Integers of at least this magnitude are converted to floats: the core reads 64-bit integers.
 _LARGEST_INTEGER = 2**63
@@ -78,11 +77,11 @@ def number(value: object, path: str, *, infinite: bool = False) -> float:
     return found
 
 
-def positive(value: object, path: str, below: float = math.inf) -> float:
-    """Convert one positive, finite number, less than `below`."""
-    found = number(value, path)
-    if not 0.0 < found < below:
-        bound = "positive and finite" if math.isinf(below) else f"between 0 and {below:g}"
+def positive(value: object, path: str, below: float = math.inf, *, infinite: bool = False) -> float:
+    """Convert one positive number less than `below`, finite unless `infinite` is set."""
+    found = number(value, path, infinite=infinite)
+    if not (0.0 < found < below or found == below == math.inf):
+        bound = "positive" if math.isinf(below) else f"between 0 and {below:g}"
         raise SceneError(f"{path}: must be {bound}, got {value!r}")
     return found
 
@@ -192,7 +191,7 @@ def _remedy(value: object, path: str) -> str:
         return f"; write {shown(value[0])} without brackets"
     if not isinstance(value, str):
         return ""
-    from gearbow.units.parse import parsed  # noqa: PLC0415  # only for this message
+    from gearbow.units.parse import FUNCTIONS, parsed  # noqa: PLC0415  # only for this message
 
     try:
         plain = f"{parsed(value, path, bare=True):.12g}"
@@ -202,7 +201,7 @@ def _remedy(value: object, path: str) -> str:
     unit = unit_of(path)
     text = f"; write {plain} without quotes{'' if unit in (None, '1') else f' [{unit}]'}"
     number, _, given = value.strip().partition(" ")
-    function = {"mm": "mm", "rpm": "rpm", "deg": "degrees", "°": "degrees"}.get(given)
+    function = FUNCTIONS.get(given)
     return text if function is None else f"{text}, or gb.{function}({number})"
 
 

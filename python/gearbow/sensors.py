@@ -19,7 +19,7 @@ from gearbow.errors import SceneError
 from gearbow.recording import access
 from gearbow.recording.access import Quantity, angle, motion
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
-from gearbow.units.values import is_quantity, magnitude
+from gearbow.units.fields import is_quantity, magnitude
 
 #: What strain gauges measure.
 GaugeQuantity: TypeAlias = Literal["torque", "bending"]
@@ -75,8 +75,6 @@ class SignalSensor(Sensor):
         ChannelError
             If a motion or section forces were not recorded; the message says what to record. If an
             axial sensor measures a system without axial motion.
-        SceneError
-            If the function of a run-out gives no finite numbers.
         """
         return self._measured(recorded_run(recording, "recording"))
 
@@ -105,11 +103,6 @@ class Tacho(Sensor):
         twist out: the pulses are those of the prescribed rotation.
     angle : float
         Angular position of the sensor about the shaft, from y towards z [rad].
-
-    Raises
-    ------
-    SceneError
-        If the number of pulses is no positive whole number, or another number is not finite.
 
     Examples
     --------
@@ -151,8 +144,6 @@ class Tacho(Sensor):
 
         Raises
         ------
-        ChannelError
-            If there is no such shaft, or the twist or its rate was not recorded.
         SceneError
             If the recorded times do not ascend, which the twist needs.
         """
@@ -202,7 +193,6 @@ def _cubic(time: Array, values: Array, rates: Array, t: Array) -> Array:
 
 
 def _cubic_rate(time: Array, values: Array, rates: Array, t: Array) -> Array:
-    """Give the rate of `_cubic`."""
     i, h, s = _interval(time, t)
     slope: Array = 6.0 * s * (1.0 - s) * (values[i + 1] - values[i]) / h
     return slope + (1.0 - s) * (1.0 - 3.0 * s) * rates[i] + s * (3.0 * s - 2.0) * rates[i + 1]
@@ -245,11 +235,6 @@ class Probe(SignalSensor):
     axial : bool
         Whether it measures the axial displacement of the shaft, along +x, on a collar instead. The
         run-out is then that of the face of the collar, positive along +x.
-
-    Raises
-    ------
-    SceneError
-        If a number is not finite, or the run-out is none of these forms.
 
     Examples
     --------
@@ -363,11 +348,6 @@ class Accelerometer(SignalSensor):
     axial : bool
         Whether it measures along +x instead.
 
-    Raises
-    ------
-    SceneError
-        If the place is invalid, the angle is not finite, or an axial sensor has an angle.
-
     Examples
     --------
     >>> import gearbow as gb
@@ -422,12 +402,6 @@ class StrainGauge(SignalSensor):
         What the gauges measure.
     angle : float
         Angle of the fibre in the shaft, from y towards z at shaft angle zero [rad]; 0 for torque.
-
-    Raises
-    ------
-    SceneError
-        If the place or the quantity is invalid, the angle is not finite, or gauges of torque have
-        an angle.
 
     Examples
     --------

@@ -163,13 +163,7 @@ def balance(  # numpydoc ignore=PR01
     -------
     Balance
         Least-squares unbalances over points and speeds, predicted residual, and the system with
-        the correction. The correction adds to the unbalance of a gear or disk, or is a new disk
-        without mass.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
+        the correction: added to the unbalance of a gear or disk, or a new disk without mass.
     """
     one_of(target, get_args(BalanceTarget), "target")
     chosen = places(planes, "planes")

@@ -18,7 +18,7 @@ from gearbow._lookup import CheckedKeywords
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
-from gearbow.units.values import has_quantity, is_quantity, magnitude, quantities_exist
+from gearbow.units.fields import has_quantity, is_quantity, magnitude, quantities_exist
 
 P = TypeVar("P", bound="Part")
 

@@ -57,10 +57,8 @@ class RingGear(Part):
         Tip radius [m]; None is that of full-depth teeth, as in `Gear`.
     mass : float, optional
         Mass [kg]; None is that of a steel ring, as in `Gear`.
-    diametral_inertia : float, optional
-        Moment of inertia about a diameter [kg m²].
-    polar_inertia : float, optional
-        Moment of inertia about the axis [kg m²].
+    diametral_inertia, polar_inertia : float, optional
+        Moments of inertia about a diameter and about the axis [kg m²].
     rotational_stiffness : float, optional
         Stiffness with which the ground holds the ring against rotation [N m/rad]; a ring on the
         ground needs it. For a bolted ring, 1e9 N/m times the square of its pitch radius is usual.
@@ -113,7 +111,6 @@ class RingGear(Part):
         return shaft, drive
 
     def _gear(self, shafts: Sequence[str], path: str) -> Gear:
-        """Give the gear on its shaft."""
         whole(self.teeth, f"{path}.teeth")
         if self.rotational_stiffness is not None and self.support in shafts:
             raise SceneError(
@@ -182,14 +179,12 @@ class PlanetaryStage(Part):
         the ring. Where the carrier drives the sun, as in a wind turbine, the ring drives the
         planets, and these the sun. Line of centres and phase of the teeth are set by the stage.
     centre_distance : float, optional
-        Distance of the planets from the axis [m]. None is the one without play, if it is the same
-        in both meshes.
+        Distance of the planets from the axis [m]. None is that without play, equal in both meshes.
 
     Raises
     ------
     SceneError
-        If the teeth of the planets do not fit between sun and ring at these angles, or if
-        neighbouring planets overlap.
+        If the planets do not fit between sun and ring at these angles, or overlap.
 
     Examples
     --------
@@ -272,7 +267,6 @@ class PlanetaryStage(Part):
         return angles
 
     def _planets(self) -> list[str]:
-        """Give the names of the planets."""
         count = len(self._angles("planets"))
         return [f"{self.planet.name} {i}" for i in range(1, count + 1)]
 
@@ -442,7 +436,6 @@ class PlanetaryStage(Part):
         plain._describe(path)
 
     def _bearings(self, path: str) -> tuple[Bearing | JournalBearing | RollingBearing, ...]:
-        """Give the bearings of one planet."""
         given = self.bearing if isinstance(self.bearing, list | tuple) else (self.bearing,)
         return parts(given, Bearing, f"{path}.bearing", JournalBearing, RollingBearing)
 
@@ -494,9 +487,19 @@ def planet_masses(
     first = next(mesh for mesh in meshes if f"{stage.planet.name} 1" in _ends(mesh))
     if first.carrier is None or isinstance(first.carrier, str):
         return []
-    total = sum(masses[gears[name].shaft] for name in stage._planets())
-    polar = total * geometry[_ends(first)]["centre_distance"] ** 2
-    return [Disk(f"{stage.planet.name} masses", *first.carrier, total, 0.5 * polar, polar)]
+    distance = geometry[_ends(first)]["centre_distance"]
+    planets = [(masses[gears[name].shaft], distance) for name in stage._planets()]
+    return [Disk(**orbiting(f"{stage.planet.name} masses", first.carrier, planets))]
+
+
+def orbiting(
+    name: str, carrier: tuple[str, float], planets: Sequence[tuple[float, float]]
+) -> dict[str, Any]:
+    """Give masses [kg] at distances [m] from the axis of their carrier as a disk on it."""
+    (shaft, position), mass = carrier, sum(mass for mass, _ in planets)
+    polar = sum(mass * distance**2 for mass, distance in planets)
+    found = {"name": name, "shaft": shaft, "position": position, "mass": mass}
+    return found | {"diametral_inertia": 0.5 * polar, "polar_inertia": polar}
 
 
 def tooth_angles(

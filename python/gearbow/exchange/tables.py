@@ -47,7 +47,7 @@ _NUMBER = re.compile(r"\s*[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 _THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(,\d{3})+\s*", re.ASCII)
 #: A comment; errors of Excel begin with the same sign.
 _COMMENT = re.compile(r"\s*#(?!N/A|DIV/0!|REF!|VALUE!|NUM!|NAME\?|NULL!)")
-#: Heading with a unit: "speed [rpm]" or "speed (rpm)".
+#: Heading with a unit: "phase [deg]" or "phase (deg)".
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
 #: What separates the words of a name.
 _SPACE = re.compile(r"[\s_-]+")
@@ -261,7 +261,6 @@ def _heading(
     hints: Mapping[str, str],
     where: str,
 ) -> _Heading:
-    """Read the heading of a column."""
     if len(cell) > _LONGEST_CELL:
         raise SceneError(f"{where}: {shown(cell)} is too long for a heading")
     words: set[str] = set()

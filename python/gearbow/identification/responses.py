@@ -436,5 +436,4 @@ def with_numbers(system: S, unknowns: Sequence[ParameterUnknown], values: Sequen
 
 
 def _number(system: System, unknown: ParameterUnknown, where: str = "unknowns") -> Parameter:
-    """Find an unknown parameter in a system."""
     return Parameter.find(lambda key: getattr(system, key), unknown.path, where, several=True)

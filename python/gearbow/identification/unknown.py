@@ -85,11 +85,6 @@ def bow(
     -------
     BowUnknown
         The unknown, one complex amplitude [m] for each shape or point.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
     """
     chosen = None if points is None else tuple(array(points, "unknown.bow.points").tolist())
     if chosen is not None and shapes != 1:
@@ -112,11 +107,6 @@ def unbalance(at: At, *, prior: float | None = None) -> UnbalanceUnknown:
     -------
     UnbalanceUnknown
         The unknown, a complex unbalance [kg m].
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
     """
     where = place(at, "unknown.unbalance.at", "place")
     return UnbalanceUnknown(where, _prior(prior, "unbalance"))
@@ -135,11 +125,6 @@ def runout(*, prior: float | None = None) -> RunoutUnknown:
     -------
     RunoutUnknown
         The unknown, one complex constant [m] for each probe.
-
-    Raises
-    ------
-    SceneError
-        If the prior is not positive.
     """
     return RunoutUnknown(_prior(prior, "runout"))
 
@@ -159,11 +144,6 @@ def parameter(path: str, *, prior: tuple[float, float] | None = None) -> Paramet
     -------
     ParameterUnknown
         The unknown. Its value keeps the sign of the expected value, or of that in the system.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
     """
     expected = None
     if prior is not None:

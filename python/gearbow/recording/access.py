@@ -51,25 +51,19 @@ class EnergyBalance(Figured, ReadOnly):
         Kinetic energy of the vibration, without that of the rigid-body rotation [J].
     shafts : ndarray, shape (k,)
         Elastic energy of the shafts; a bowed shaft without load has none [J].
-    bearings : ndarray, shape (k,)
-        Elastic energy of the bearings [J].
-    meshes : ndarray, shape (k,)
-        Elastic energy of the meshes [J].
-    torque : ndarray, shape (k,)
-        Work of the torques on the vibration [J].
-    gravity : ndarray, shape (k,)
-        Work of gravity [J].
+    bearings, meshes : ndarray, shape (k,)
+        Elastic energy of the bearings, and of the meshes [J].
+    torque, gravity : ndarray, shape (k,)
+        Work of the torques on the vibration, and of gravity [J].
     drive : ndarray, shape (k,)
         Work of the drive that keeps bowed shafts, and deflected ones with internal damping, at the
         prescribed speed and changes the stiffness of bearings with the speed [J].
     unbalance : ndarray, shape (k,)
         Work of the unbalance [J].
     teeth : ndarray, shape (k,)
-        Work of the prescribed excitation of the teeth: time-varying stiffness, transmission error
-        and run-out [J].
+        Work of the teeth: time-varying stiffness, transmission error and run-out [J].
     damping : ndarray, shape (k,)
-        Work of all damping forces, which is negative, and of the cross-coupled stiffness of
-        bearings [J].
+        Work of damping forces, negative, and of the cross-coupled stiffness of bearings [J].
 
     Notes
     -----
@@ -178,10 +172,8 @@ class BearingMotion(ReadOnly):
     attitude_angle : float or ndarray, shape (k,), optional
         Angle from the force to the displacement, from y towards z [rad], between −π and π. In a
         steady film it has the sign of the rotation of the shaft. None for a rolling bearing.
-    loaded_elements : ndarray, shape (k,), optional
-        Number of rolling elements that carry load; None for a journal bearing.
-    largest_contact_force : ndarray, shape (k,), optional
-        Contact force of the most loaded rolling element [N]; None for a journal bearing.
+    loaded_elements, largest_contact_force : ndarray, shape (k,), optional
+        Number of loaded rolling elements and largest contact force [N]; None for a journal bearing.
 
     Examples
     --------
@@ -293,7 +285,6 @@ def rolling(run: RunRecord, at: object) -> BearingMotion:
 
 
 def _bearing(run: RunRecord, at: object) -> int:
-    """Find a recorded bearing."""
     i = Places.of("bearing", run.data["bearings"]).find(at)
     if i is None:
         shaft, position = place(at)
@@ -389,7 +380,6 @@ def mesh_names(run: RunRecord, at: object) -> tuple[str, str]:
 
 
 def _mesh(run: RunRecord, at: object) -> int:
-    """Find a recorded mesh."""
     i = Places.of("mesh", run.data["meshes"]).find(at)
     if i is None:
         driver, driven = place(at)
@@ -398,7 +388,6 @@ def _mesh(run: RunRecord, at: object) -> int:
 
 
 def _mesh_values(run: RunRecord, mesh: int) -> dict[str, Array]:
-    """Give the recorded quantities of a mesh."""
     return {name: values[:, mesh] for name, values in run.data["mesh"].items()}
 
 

@@ -1,12 +1,11 @@
 """Steps of a run whose torques and speed another program gives from step to step."""
 
-import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from gearbow._convert import items, number, shown
+from gearbow._convert import items, number, positive, shown
 from gearbow._lookup import nearest
 from gearbow._result import Column
 from gearbow._types import Accuracy, Record
@@ -187,9 +186,7 @@ class CoSimulation:
     def step(self, duration: float) -> None:
         """Continue the run by a duration [s]. The instant is unchanged if the run fails."""
         now = self.now
-        if not (math.isfinite(duration) and duration > 0.0):
-            raise SceneError(f"step: must be positive and finite, got {duration!r} s")
-        end = now.time + duration
+        end = now.time + positive(duration, "step")
         torques, speed = self._split(now.inputs)
         speeds = now.speed_knots.after(end, [], speed)
         initial = dict(now.final)

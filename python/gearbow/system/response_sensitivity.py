@@ -22,8 +22,14 @@ from gearbow.results.sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors import SignalSensor
-from gearbow.system.motions import Motions, is_damped, require_memory_of
-from gearbow.system.parameter_family import ParameterFamily, extrapolated
+from gearbow.system.parameter_family import (
+    Motions,
+    ParameterFamily,
+    described,
+    extrapolated,
+    is_damped,
+    require_memory_of,
+)
 from gearbow.units.fields import QUANTITIES
 
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
@@ -304,9 +310,7 @@ def _result(
 ) -> ResponseSensitivity:
     return ResponseSensitivity(
         kind=kind,
-        parameters=tuple(each.path for each in parameters),
-        parameter_values=np.array([each.value for each in parameters]),
-        units=tuple(each.unit for each in parameters),
+        **described(parameters),
         label=signal.label,
         unit=signal.unit,
         components=signal.components,

@@ -49,8 +49,7 @@ def tradeoff(  # numpydoc ignore=PR01
         a mesh (driver, driven). With several signals the worst error counts. None is the first
         gear, or the first disk of a system without gears.
     methods : str or list of str, optional
-        Methods to run, names of `gearbow.studies.METHODS`; None is all. Simplified models use
-        the first one.
+        Methods to run, of `gearbow.studies.METHODS`; None is all. Simplified models use the first.
     steps : list of float, optional
         Steps of the methods with fixed steps [s]; None is a series of steps for each method.
     tolerances : list of float, optional
@@ -86,8 +85,6 @@ def tradeoff(  # numpydoc ignore=PR01
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     GearbowError
         If the budget is too short for a reference.
     KeyboardInterrupt
@@ -138,9 +135,7 @@ def tradeoff(  # numpydoc ignore=PR01
         degrees=orders,
         modes=_modes(modes, names, self),
     )
-    seconds = number(budget, "budget", infinite=True)
-    if not seconds > 0.0:
-        raise SceneError(f"budget: must be positive, got {budget!r}")
+    seconds = positive(budget, "budget", infinite=True)
     return Study(
         system=self,
         duration=duration,
