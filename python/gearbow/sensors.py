@@ -9,8 +9,16 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, complex_number, number, positive, text, truth, whole
-from gearbow._lookup import one_of
+from gearbow._convert import (
+    array,
+    complex_number,
+    number,
+    one_of,
+    positive,
+    text,
+    truth,
+    whole,
+)
 from gearbow._shown import Shown
 from gearbow._times import crossings
 from gearbow._types import Array, At

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, Generic, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array
+from gearbow._convert import array, nearest, nodal, one_of
 from gearbow._core import require_memory
-from gearbow._lookup import nearest, nodal, one_of
 from gearbow._progress import working
 from gearbow._result import Column, Figured, WithSpeeds, Written, in_degrees
 from gearbow._shown import ReadOnly

@@ -10,8 +10,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import function, nested, number, positive, shown, text
-from gearbow._lookup import one_of
+from gearbow._convert import function, nested, number, one_of, positive, shown, text
 from gearbow._types import At, StrengthLine
 from gearbow.description.part import Part, tuples
 from gearbow.description.places import place

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from gearbow._lookup import nearest, nodal
+from gearbow._convert import nearest, nodal
 from gearbow._shown import Shown
 from gearbow._types import Array, At, Dof
 from gearbow.description.layout import ShearLengths, Train, shear_lengths

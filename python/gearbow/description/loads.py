@@ -7,8 +7,7 @@ from typing import Any, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import complex_number, items, positive, real, shown, text
-from gearbow._lookup import one_of
+from gearbow._convert import complex_number, items, one_of, positive, real, shown, text
 from gearbow._types import (
     Array,
     At,

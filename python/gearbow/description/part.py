@@ -13,8 +13,7 @@ from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import complex_number, nested, real, shown, text, truth
-from gearbow._lookup import CheckedKeywords
+from gearbow._convert import CheckedKeywords, complex_number, nested, real, shown, text, truth
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError

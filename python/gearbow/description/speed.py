@@ -8,9 +8,8 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, function, matrix, number, positive, real, shown
+from gearbow._convert import array, function, matrix, number, one_of, positive, real, shown
 from gearbow._core import check_speed, table_at_frequency
-from gearbow._lookup import one_of
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, BearingQuantity, OutsideTable, Plain, TableAxes
 from gearbow.description.part import Part, freeze

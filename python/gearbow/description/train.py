@@ -13,9 +13,8 @@ from typing import Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 
-from gearbow._convert import shown, text
+from gearbow._convert import nearest, shown, text
 from gearbow._core import Model, mesh_geometry
-from gearbow._lookup import nearest
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, ComplexArray, Dof, Plain
 from gearbow.description.gears import Disk, Gear, Mesh

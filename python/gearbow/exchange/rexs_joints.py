@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import number, shown
-from gearbow._lookup import nearest
+from gearbow._convert import nearest, number, shown
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.description.journal import Pad

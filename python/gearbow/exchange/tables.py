@@ -19,10 +19,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import shown
+from gearbow._convert import nearest, shown
 from gearbow._extras import extra
 from gearbow._files import as_path, parsing
-from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.units.fields import is_frequency, unit_of

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, complex_number, items, number, shown, text, whole
+from gearbow._convert import array, complex_number, items, number, one_of, shown, text, whole
 from gearbow._files import as_path
-from gearbow._lookup import one_of
 from gearbow._result import Column, Figured, in_degrees, in_micrometres
 from gearbow._shown import ReadOnly, span
 from gearbow._types import Array, At, ComplexArray

@@ -10,8 +10,7 @@ from typing import Any, Generic, TypeAlias
 
 import numpy as np
 
-from gearbow._convert import shown
-from gearbow._lookup import nearest
+from gearbow._convert import nearest, shown
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import body_of, with_unbalances

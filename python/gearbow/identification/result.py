@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import text
-from gearbow._lookup import nearest
+from gearbow._convert import nearest, text
 from gearbow._result import Column, Figured, in_degrees
 from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray

@@ -14,8 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from gearbow._convert import array, number, positive, text, whole
-from gearbow._lookup import nearest
+from gearbow._convert import array, nearest, number, positive, text, whole
 from gearbow._shown import Shown
 from gearbow._types import At
 from gearbow.description.places import place

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from gearbow._lookup import nearest
+from gearbow._convert import nearest
 from gearbow._shown import Shown
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem

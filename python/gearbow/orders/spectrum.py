@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._convert import number, shown, text
+from gearbow._convert import checked, number, one_of, shown, text
 from gearbow._extras import extra
-from gearbow._lookup import checked, one_of
 from gearbow._result import Column, Figured, Result, WithSpeeds, in_micrometres, written_unit
 from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array, Record, SignalQuantity, Window

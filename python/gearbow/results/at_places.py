@@ -6,7 +6,7 @@ from typing import Any, Generic, TypeVar, get_args
 
 from numpy.typing import ArrayLike
 
-from gearbow._lookup import CheckedMethods, one_of
+from gearbow._convert import CheckedMethods, one_of
 from gearbow._types import Array, At, Record, RunData, Side
 from gearbow.recording import access
 from gearbow.recording.access import BearingMotion, EnergyBalance

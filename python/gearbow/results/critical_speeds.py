@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import text, whole
+from gearbow._convert import nearest, text, whole
 from gearbow._extras import extra
-from gearbow._lookup import nearest
 from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import ReadOnly, span
 from gearbow._types import Array

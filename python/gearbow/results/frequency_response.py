@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
 import numpy as np
 
-from gearbow._convert import items, shown
+from gearbow._convert import items, one_of, shown
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
-from gearbow._lookup import one_of
 from gearbow._result import Column, Written, data_frame
 from gearbow._shown import short, span
 from gearbow._types import (

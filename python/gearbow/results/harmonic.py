@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import positive
+from gearbow._convert import one_of, positive
 from gearbow._core import Model
-from gearbow._lookup import one_of
 from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import ReadOnly, short
 from gearbow._types import Array, At, ComplexArray, Plain, Side

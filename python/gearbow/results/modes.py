@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import shown, whole
+from gearbow._convert import nodal, shown, whole
 from gearbow._extras import extra
 from gearbow._files import check_name
-from gearbow._lookup import nodal
 from gearbow._result import Column, Figured, Result, WithSpeeds, in_percent, plain_text
 from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof

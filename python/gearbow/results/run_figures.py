@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._convert import positive
+from gearbow._convert import one_of, positive
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
-from gearbow._lookup import one_of
 from gearbow._times import begin_after, window, within
 from gearbow._types import Abscissa, Array, At, RunFigure, Window
 from gearbow.description.places import place, place_label, places

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from gearbow._convert import one_of
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._lookup import one_of
 from gearbow._result import (
     ROUND_OFF,
     Column,

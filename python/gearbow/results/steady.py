@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._convert import number as number_of
+from gearbow._convert import number as number_of, one_of
 from gearbow._core import Model, multipliers
 from gearbow._extras import extra
-from gearbow._lookup import one_of
 from gearbow._progress import working
 from gearbow._result import Column, WithSpeeds, data_frame, in_micrometres, written_unit
 from gearbow._shown import read_only, short

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import number, one_of
 from gearbow._core import Model
-from gearbow._lookup import one_of
 from gearbow._result import Column, Figured, WithSpeeds, Written
 from gearbow._shown import ReadOnly
 from gearbow._times import begin_after

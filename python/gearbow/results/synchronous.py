@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._convert import number, text
+from gearbow._convert import nodal, number, one_of, text
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._lookup import nodal, one_of
 from gearbow._result import Column, in_degrees, in_micrometres, replaced
 from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Excitation, Plain, SynchronousFigure

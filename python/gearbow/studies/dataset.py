@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number, shown, text, whole
+from gearbow._convert import checked, nearest, number, shown, text, whole
 from gearbow._core import __version__
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, printable, replacing
-from gearbow._lookup import checked, nearest
 from gearbow._types import Array, Progress
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import orders as fitted_orders

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import shown, text
+from gearbow._convert import nearest, shown, text
 from gearbow._core import require_memory
 from gearbow._extras import extra
 from gearbow._files import check_name
-from gearbow._lookup import nearest
 from gearbow._result import Column, Result
 from gearbow._shown import Shown, short
 from gearbow._types import Plain

@@ -8,8 +8,7 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-from gearbow._convert import shown
-from gearbow._lookup import checked
+from gearbow._convert import checked, shown
 from gearbow._parallel import ParallelCalls
 from gearbow._progress import reported
 from gearbow._types import Progress

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array
-from gearbow._lookup import one_of
+from gearbow._convert import array, one_of
 from gearbow._types import Array
 from gearbow.analysis.arclength import first_crossing
 from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_teeth

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import number, positive, text, whole
+from gearbow._convert import number, one_of, positive, text, whole
 from gearbow._core import (
     KeptModes,
     common_period,
@@ -17,7 +17,6 @@ from gearbow._core import (
     recorded_period,
     user_order,
 )
-from gearbow._lookup import one_of
 from gearbow._progress import reported
 from gearbow._types import (
     Accuracy,

@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from gearbow._convert import items, number, positive, shown
-from gearbow._lookup import nearest
+from gearbow._convert import items, nearest, number, positive, shown
 from gearbow._result import Column
 from gearbow._types import Accuracy, Record
 from gearbow.analysis.protocol import System

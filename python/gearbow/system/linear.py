@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, text, truth, whole
+from gearbow._convert import array, number, one_of, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
-from gearbow._lookup import one_of
 from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, copied, positive, showing, text, whole
+from gearbow._convert import array, copied, one_of, positive, showing, text, whole
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, reading
-from gearbow._lookup import one_of
 from gearbow._types import Accuracy, At, InitialState, Language, Progress, Record
 from gearbow.analysis.protocol import System
 from gearbow.description.bow import BowLimit

@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from gearbow._convert import one_of
 from gearbow._files import as_path
-from gearbow._lookup import one_of
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
 

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import shown
+from gearbow._convert import one_of, shown
 from gearbow._core import Model
-from gearbow._lookup import one_of
 from gearbow._types import Array, ComplexArray, Plain
 from gearbow.analysis.protocol import System
 from gearbow.description.coordinates import Coordinates, time_derivatives

@@ -5,10 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from gearbow._convert import copied, nested, showing, shown, text, truth
+from gearbow._convert import CheckedKeywords, copied, nearest, nested, showing, shown, text, truth
 from gearbow._core import Model, mesh_geometry
 from gearbow._files import check_name, replacing
-from gearbow._lookup import CheckedKeywords, nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Accuracy, Array, Dof, Plain, ShaftMotion
 from gearbow.accuracy import DEFAULT

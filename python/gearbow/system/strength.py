@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, positive, shown
-from gearbow._lookup import nearest
+from gearbow._convert import array, nearest, number, positive, shown
 from gearbow._progress import working
 from gearbow._types import At, ComplexArray, StrengthLine
 from gearbow.analysis.protocol import System, variant, without_scene_warnings

@@ -4,8 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, get_args
 
-from gearbow._convert import items, number, positive, truth, whole
-from gearbow._lookup import one_of
+from gearbow._convert import items, number, one_of, positive, truth, whole
 from gearbow._times import grid
 from gearbow._types import InitialState, Progress
 from gearbow.accuracy import MAX_DEGREE

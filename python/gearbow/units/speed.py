@@ -15,8 +15,7 @@ from typing import Any, Literal, TypeAlias, TypeVar, get_args, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import matrix
-from gearbow._lookup import one_of
+from gearbow._convert import matrix, one_of
 from gearbow._types import Array
 from gearbow.units.fields import is_quantity
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow._lookup import nodal
+from gearbow._convert import nodal
 from gearbow.description.layout import layout, reference_radius
 from gearbow.description.train import Train
 from gearbow.plotting.shapes import _at_maximum, _lever, _ring, refined
