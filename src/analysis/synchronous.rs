@@ -1,8 +1,8 @@
 //! Steady linear response to everything that turns once with a shaft, in the frequency domain: bow, unbalance, turning forces,
 //! run-out of gears, and the first harmonic of transmission errors of a shaft.
 //!
-//! Shaft s excites at its speed Ω_s: [K + iΩ_s(C + ΩG) − Ω_s²M] a = f_s. The motion is the sum of Re(a e^{iϑ_s}) over all
-//! shafts.
+//! Shaft s excites at its speed ω relative to the frame of its lateral motion, which is Ω_s if this frame is at rest:
+//! [K + iω(C + ΩG) − ω²M] a = f_s. The motion is the sum of Re(a e^{iϑ_s}) over all shafts, with the angles ϑ_s in these frames.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -140,8 +140,7 @@ pub(super) fn synchronous_of(
     part: ExcitationPart,
     highest: Highest,
 ) -> Result<SourceResponse, AnalysisError> {
-    cached.model.scene.refuse_turning_frame("harmonic response")?;
-    let spin = cached.model.shafts[source].ratio * speed;
+    let spin = cached.model.shafts[source].ratio_in_frame() * speed;
     let cached = cached.at(speed, spin)?;
     let model = &cached.model;
     let Some(force) = rotating_force(model, Harmonic { frequency: spin, speed: flank_speed }, source, part) else {
@@ -180,14 +179,14 @@ pub(super) fn solve(
     solve_dense(cached, key, side, force).map(Some)
 }
 
-/// Phasors of the force of a source shaft, whose speed is the frequency of `at`; `None` without force.
+/// Phasors of the force of a source shaft, whose speed relative to its frame is the frequency of `at`; `None` without force.
 pub(super) fn rotating_force(
     model: &Model,
     at: Harmonic,
     source: usize,
     part: ExcitationPart,
 ) -> Option<DVector<Complex<f64>>> {
-    let spin = at.frequency;
+    let spin = at.frequency + model.shafts[source].frame * at.speed;
     let acting = |excitation: &Excitation| match part {
         ExcitationPart::All | ExcitationPart::Loads => excitation.amplitude(spin, 0.0),
         ExcitationPart::Bow => excitation.steady_amplitude(),
@@ -276,7 +275,7 @@ pub(super) fn motion(
     let n = cached.model.len();
     let (mut q, mut v) = (DVector::zeros(n), DVector::zeros(n));
     for (source, rotation) in rotations.iter().enumerate() {
-        let spin = cached.model.shafts[source].ratio * speed;
+        let spin = cached.model.shafts[source].ratio_in_frame() * speed;
         for (index, amplitude) in amplitudes.column(source).iter().enumerate() {
             let value = amplitude * rotation;
             q[index] += value.re;

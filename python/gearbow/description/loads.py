@@ -184,6 +184,10 @@ class Bearing(Part):
     loss_factor : float
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+    misalignment : complex
+        Displacement of what it stands on from its place in the drawing, y + iz [m]: without force,
+        the shaft is there. On a pin of a carrier that turns, y and z turn with the carrier. The
+        bearing needs constant coefficients.
     dynamic_rating, static_rating : float, optional
         Basic load ratings C and C₀ of the rolling bearing for which it stands [N]: `bearing_life`
         then contains it.
@@ -211,6 +215,7 @@ class Bearing(Part):
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
     loss_factor: float = 0.0
+    misalignment: complex = 0.0
     dynamic_rating: float | None = None
     static_rating: float | None = None
     contact: RollingContact | None = None

@@ -15,7 +15,7 @@ use crate::integrate::{
 };
 use crate::mesh::Geometry;
 use crate::modal::{CachedModel, EquilibriumSpeeds, Highest};
-use crate::model::Model;
+use crate::model::{Model, ShaftModel};
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
@@ -208,7 +208,8 @@ fn synchronous(
     let (flank_speed, part) = (options.fastest(), ExcitationPart::All);
     let amplitudes = synchronous_amplitudes(cached, SynchronousKey { speed, flank_speed, uses_components, part })?;
     check_size(cached, &amplitudes)?;
-    let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
+    let ratios = cached.model.shafts.iter().map(ShaftModel::ratio_in_frame);
+    let phasors: Vec<_> = ratios.map(|ratio| rotation.phasor_at_origin(ratio)).collect();
     let (q, v) = motion(cached, speed, &amplitudes, &phasors);
     Ok([(equilibrium_at(cached, options, found, time)? + q).as_slice(), v.as_slice()].concat())
 }

@@ -43,10 +43,11 @@ impl<'m> ModalSetup<'m> {
         motion.linearise_at(speed);
         let model = ramp::linear_model(cached, options)?;
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
-        // contains the shafts alone.
+        // contains the shafts alone. Frames that turn couple these.
         let uncoupled = options.method == Method::Exponential
             && subspace.is_none()
             && options.modes.is_none()
+            && !cached.model.scene.has_turning_frame()
             && motion.varying_flanks_can_separate();
         let without_meshes = if uncoupled { model.linear_without_meshes(speed)? } else { None };
         let linear = match (subspace, without_meshes) {
