@@ -12,6 +12,7 @@ use super::{AnalysisError, Dense};
 use crate::linalg::{Side, backward_error, matrix_of_columns, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Highest, MAX_DENSE, Solved};
 use crate::model::{Excitation, Model, StructuralDamping};
+use crate::motion::RotatingLoad;
 use crate::scene::{EntryPath, SceneError};
 
 /// Part of the excitation by a rotating shaft.
@@ -20,8 +21,6 @@ pub enum ExcitationPart {
     /// Everything that turns with the shaft.
     #[default]
     All,
-    /// Bow, unbalance and turning forces: the loads of a run. Its meshes contain run-out and transmission errors.
-    Loads,
     /// Bow only.
     Bow,
     /// Unbalance only.
@@ -152,6 +151,26 @@ pub(super) fn synchronous_of(
     found.ok_or_else(|| unsolved(speed))?.checked(speed, name)
 }
 
+/// Response at `speed`, rad/s, to a load of a run, whose meshes contain run-out and transmission errors.
+///
+/// # Errors
+/// As [`synchronous_of`].
+pub(super) fn response_to(
+    cached: &CachedModel,
+    speed: f64,
+    load: &RotatingLoad,
+    highest: Highest,
+) -> Result<SourceResponse, AnalysisError> {
+    let cached = cached.at(speed, load.spin)?;
+    let mut force = DVector::zeros(cached.model.len());
+    let [cosine, sine] = load.columns();
+    cosine.iter().for_each(|(index, value)| force[*index] += *value);
+    sine.iter().for_each(|(index, value)| force[*index] -= Complex::i() * *value);
+    let key = DynamicKey { speed, spin: load.spin, flank_speed: speed };
+    let found = solve(&cached, key, highest, Side::Right, 0.0, &force)?;
+    found.ok_or_else(|| unsolved(speed))?.checked(speed, &cached.model.scene.shafts[load.shaft].name)
+}
+
 /// Solves S x = f, or Sᵀ x = f for [`Side::Left`]. Band matrices without modal damping give a solution with at most the backward
 /// error `tolerance`; zero asks for round-off. `None` at an undamped natural frequency of a model that is too large for dense
 /// matrices.
@@ -188,7 +207,7 @@ pub(super) fn rotating_force(
 ) -> Option<DVector<Complex<f64>>> {
     let spin = at.frequency + model.shafts[source].frame * at.speed;
     let acting = |excitation: &Excitation| match part {
-        ExcitationPart::All | ExcitationPart::Loads => excitation.amplitude(spin, 0.0),
+        ExcitationPart::All => excitation.amplitude(spin, 0.0),
         ExcitationPart::Bow => excitation.steady_amplitude(),
         ExcitationPart::Unbalance => excitation.unbalance_amplitude(spin, 0.0),
     };

@@ -189,7 +189,7 @@ impl EquationOfMotion<'_> {
         }
     }
 
-    /// Power of every source without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed
+    /// Power of every source without constant loads, W: torques and forces; gravity in frames that turn; the drive, which turns bowed
     /// shafts and eccentric hubs of couplings, moves rolling elements and changes the stiffness of bearings with the speed;
     /// unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with the cross-coupling of bearings
     /// and with the power `distributed` of the distributed damping. q and v need the coordinates of [`PowerCoordinates`]; q is
@@ -266,7 +266,9 @@ impl EquationOfMotion<'_> {
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }
-        Ok(SourceTerms { torque, gravity: 0.0, drive, unbalance, teeth, damping: -damping })
+        let weights = self.rotating_loads.iter().filter(|load| load.is_weight);
+        let gravity = weights.map(|load| load.power(load.phasor(elapsed, None), v)).sum();
+        Ok(SourceTerms { torque, gravity, drive, unbalance, teeth, damping: -damping })
     }
 
     /// Powers of the internal damping βK of shafts, W: that of the drive, which turns deflected shafts, and that which is dissipated

@@ -469,6 +469,7 @@ impl PyModel {
             dict.set_item("without_null_motions", outside_vector(py, &model.numbering, &moved))?;
             (q, Vec::new())
         } else {
+            model.scene.refuse_turning_weight()?;
             self.warn_of_ill_conditioning(py, speed, Dense::Bands)?;
             self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
                 let found = analysis::equilibrium(cached, geometry, speed)?;

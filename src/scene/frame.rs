@@ -3,6 +3,8 @@
 //! Pins and meshes of planets have fixed directions in the frame of their carrier. What couples shafts laterally to them must then be
 //! the same in all directions, so that the coefficients are constant in this frame.
 
+use std::collections::BTreeSet;
+
 use super::description::Place;
 use super::{Attachment, Bearing, Coupling, EntryPath, Matrix2, Mesh, Node, Scene, SceneError, VaryingLoad};
 use crate::numerics::EQUALITY_TOLERANCE;
@@ -39,6 +41,24 @@ impl Scene {
     /// Shaft of the carrier with which the frame of the lateral motion of a shaft turns.
     pub fn frame_of(&self, shaft: usize) -> Option<usize> {
         self.frames.get(shaft).copied().flatten()
+    }
+
+    /// Shafts of the carriers with which frames turn, ascending.
+    pub fn carriers(&self) -> BTreeSet<usize> {
+        self.frames.iter().copied().flatten().collect()
+    }
+
+    /// Refuses an equilibrium with weight in a frame that turns.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the gravity.
+    pub fn refuse_turning_weight(&self) -> Result<(), SceneError> {
+        if self.gravity != [0.0; 2] && self.has_turning_frame() {
+            return Err(EntryPath::root("gravity").error(format!(
+                "{FIXED}, so that there is no equilibrium in their frame; use simulate() or steady_state(), or leave it out"
+            )));
+        }
+        Ok(())
     }
 
     /// Speed of the frame of a shaft over that of the reference shaft.
@@ -241,9 +261,6 @@ impl Scene {
                     name(coupling.hubs[0].shaft)
                 )));
             }
-        }
-        if self.gravity != [0.0; 2] {
-            return Err(EntryPath::root("gravity").error(format!("{FIXED}; leave it out, or {IN_TORSION}")));
         }
         if !self.modal_damping.is_zero() {
             return Err(EntryPath::root("modal_damping").error("is that of modes at rest, and planets that turn with their carrier have others; give damping of bearings and meshes, or rayleigh"));

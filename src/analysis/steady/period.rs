@@ -3,7 +3,6 @@
 //! Frequencies are exact ratios of tooth numbers to the speed of the reference shaft, so that the common period is
 //! 1/gcd of them. It is one revolution of a shaft, one mesh cycle, or the hunting-tooth period of a train.
 
-use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use crate::analysis::AnalysisError;
@@ -194,8 +193,7 @@ fn sources(model: &Model) -> Vec<Source> {
         })
         .collect();
     // What is seen from the ground repeats after whole revolutions of the frames that turn.
-    let carriers: BTreeSet<usize> = (0..scene.shafts.len()).filter_map(|index| scene.frame_of(index)).collect();
-    sources.extend(carriers.into_iter().map(|index| shaft(index, "rotation of the carrier")));
+    sources.extend(scene.carriers().into_iter().map(|index| shaft(index, "rotation of the carrier")));
     for (index, mesh) in scene.meshes.iter().enumerate() {
         let [driver, driven] = [mesh.driver, mesh.driven].map(|gear| &scene.gears[gear]);
         let [first, second] = [driver, driven].map(|gear| gear.body.node.shaft);

@@ -369,7 +369,6 @@ def other(name: str, **changes: Any) -> gb.Gear:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"gravity": 9.81}, r"gravity: has a fixed direction"),
         (
             {"bearings": [hold("in", (1e8, 2e8)), hold("out"), hold("arm")]},
             r'bearings\[0\]: on the shaft "in" is not the same in all directions',

@@ -52,6 +52,7 @@ class CarriedTrain:
     pins: Sequence[Pin]
     meshes: Sequence[CarriedMesh]
     live: bool = False
+    gravity: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         matrices = self.free.matrices(self.speed)
@@ -62,6 +63,8 @@ class CarriedTrain:
         self.load = np.zeros(len(self.mass))
         for torque in self.free.torques:
             self.load[self.free.coordinates.twist(torque.at)] += torque.value
+        fall = {"v": self.gravity[0], "w": self.gravity[1]}
+        self.load += self.mass @ [fall.get(kind, 0.0) for _, _, kind in self.free.dofs]
         spins = self.speed * np.asarray(self.free.speed_ratios)
         self.turning = [
             (spin, rotating_force(self.free, replace(shaft, speed_ratio=None), spin))
