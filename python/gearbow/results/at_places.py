@@ -85,7 +85,8 @@ class LoadedMotion(Motion[V, S]):
         Returns
         -------
         ndarray, shape (..., 2)
-            Components along y and z [N].
+            Components along y and z [N]; for a planet on a carrier that turns, in the frame of this
+            carrier.
 
         Raises
         ------
