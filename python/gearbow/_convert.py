@@ -32,7 +32,7 @@ _LARGEST_INTEGER = 2**63
 #: Largest count: the core counts with at least 32 bits.
 LARGEST_COUNT = 2**32 - 1
 #: Keys whose values may be complex.
-_COMPLEX = ("unbalance", "runout", "offset", "angle")
+_COMPLEX = ("unbalance", "runout", "offset", "angle", "misalignment")
 #: Types of bytes, which are no sequences of numbers.
 BYTES = (bytes, bytearray, memoryview)
 #: Longest representation of a value in an error message.

@@ -187,6 +187,10 @@ class Bearing(Part):
     loss_factor : float
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
+    misalignment : complex
+        Displacement of what it stands on from its place in the drawing, y + iz [m]: without force,
+        the shaft is there. On a pin of a carrier that turns, y and z turn with the carrier. The
+        bearing needs constant coefficients.
     dynamic_rating, static_rating : float, optional
         Basic load ratings C and C₀ of a rolling bearing [N], which `bearing_life` then contains.
     contact : {"ball", "roller"}, optional
@@ -213,6 +217,7 @@ class Bearing(Part):
     tilting_stiffness: float = 0.0
     tilting_damping: float = 0.0
     loss_factor: float = 0.0
+    misalignment: complex = 0.0
     dynamic_rating: float | None = None
     static_rating: float | None = None
     contact: RollingContact | None = None
@@ -373,6 +378,8 @@ class ShaftExcitation(Part):
     The source rotates with the frequency ω. Its amplitude is that of the shaft at the spin ω: the
     force of the bow, forces of order 1 and eccentric couplings do not depend on ω, and the force
     of an unbalance is U ω². At the frequency of the spin the response is that of `synchronous`.
+    Where planets move laterally on a carrier that turns with Ω_c, ω is the frequency on the carrier
+    and ω + Ω_c the spin.
 
     Parameters
     ----------

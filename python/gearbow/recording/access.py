@@ -56,8 +56,9 @@ class EnergyBalance(Figured, ReadOnly):
     torque, gravity : ndarray, shape (k,)
         Work of the torques on the vibration, and of gravity [J].
     drive : ndarray, shape (k,)
-        Work of the drive that keeps bowed shafts, and deflected ones with internal damping, at the
-        prescribed speed and changes the stiffness of bearings with the speed [J].
+        Work of the drive that keeps bowed shafts, deflected ones with internal damping, and
+        carriers with planets that move laterally, at the prescribed speed and changes the stiffness
+        of bearings with the speed [J]. The energies of such planets are relative to the carrier.
     unbalance : ndarray, shape (k,)
         Work of the unbalance [J].
     teeth : ndarray, shape (k,)

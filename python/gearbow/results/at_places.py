@@ -81,7 +81,8 @@ class LoadedMotion(Motion[V, S]):
         Returns
         -------
         ndarray, shape (..., 2)
-            Components along y and z [N].
+            Components along y and z [N]; for a planet on a carrier that turns, in the frame of this
+            carrier.
         """
         return self._at("bearing_force", at)  # type: ignore[no-any-return]
 

@@ -358,6 +358,9 @@ def synchronous(
 ) -> Synchronous:
     """Find the linear response to what turns once with a shaft, without time stepping.
 
+    Where planets move laterally on a carrier that turns, the response is that in the frame of the
+    carrier, with the speed of the shaft relative to it.
+
     Parameters
     ----------
     speeds : array_like, shape (speeds,) or scalar
@@ -408,7 +411,7 @@ def synchronous(
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
-        _ratios=self.speed_ratios,
+        _ratios=self._model.ratios_in_frames,
         left_out=left_out(self) if excitation == "both" else (),
     )
 

@@ -195,7 +195,9 @@ def of_synchronous(
     signal = _Signal.of(at, quantity, tuple(QUANTITIES))
     index = _index(signal, family.origin, of._bearings)
     parts = []
-    for i, (shaft, ratio) in enumerate(zip(of.shafts, family.base.speed_ratios, strict=True)):
+    for i, (shaft, ratio) in enumerate(
+        zip(of.shafts, family.base._model.ratios_in_frames, strict=True)
+    ):
         source: dict[str, Plain] = {
             "kind": "shaft",
             "shaft": shaft,

@@ -101,6 +101,8 @@ FIELDS: dict[str, str | tuple[str | None, ...] | None] = {
     "torsional_stiffness": "N m/rad",
     "torsional_damping": "N m s/rad",
     "offset": "m",
+    "misalignment": "m",
+    "pin_errors": "m",
     "angle": "rad",
     # Journal and rolling bearings
     "diameter": "m",

@@ -159,7 +159,9 @@ pub fn simulate(
 fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
     cached.model.scene.refuse_loss_factors()?;
     cached.model.scene.refuse_reduced_pads()?;
-    cached.model.scene.refuse_turning_frame("run")?;
+    if matches!(options.speed, Speed::Changing(_)) {
+        cached.model.scene.refuse_turning_frame("run at a changing speed; give a constant speed")?;
+    }
     Ok(match options.speed {
         Speed::Constant(_) => cached.at_speed(options.fastest())?,
         Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,
