@@ -15,6 +15,7 @@ mod refusals;
 use self::clearance::{TangentPart, check_journals, check_tilts, regularisation, within_clearances};
 use self::forces::{AtRest, Contacts, Forces, Laws, elastic_tangent, tangent_towards};
 use self::refusals::{check_balance, check_constraints, check_rotation, unconverged};
+use crate::bearing_force::MAX_RESIDUAL;
 use crate::connection::BearingTangent;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
@@ -44,8 +45,6 @@ const MAX_START_ITERATIONS: usize = 20;
 /// Distance of a nonlinear bearing from where it carries its force, relative to its displacement, below which Newton's
 /// method starts.
 const START_TOLERANCE: f64 = 0.03;
-/// Largest unbalanced force of a shaft over its load, and largest part of the load that the springs on null motions may carry.
-const MAX_RESIDUAL: f64 = 1e-6;
 /// Smallest increment of the part of the load that acts.
 const LEAST_LOAD_INCREMENT: f64 = 1.0 / 128.0;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.

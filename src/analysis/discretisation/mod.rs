@@ -34,7 +34,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use tooth_harmonics::ToothResponse;
+use tooth_harmonics::{TOOTH_CYCLE_SAMPLES, ToothResponse};
 use variation::Probe;
 use varying_loads::highest_tone;
 
@@ -71,8 +71,6 @@ const PRICE_TOLERANCE: f64 = 1e-6;
 const EXAMINED_LENGTHS: usize = 16;
 /// Largest number of models that are examined until one meets the level.
 const MAX_PROBES: usize = 4;
-/// Number of positions in a tooth cycle among which the least and the largest stiffness are sought.
-const CYCLE_POSITIONS: usize = 64;
 /// Largest number of coordinates that is chosen.
 const MAX_COORDINATES: usize = 1200;
 /// Relative error of a natural frequency that counts as resolved.
@@ -103,11 +101,16 @@ pub struct Choice {
     pub highest_frequency: f64,
 }
 
-/// Chooses number and degree of the elements where a description does not give them.
+/// Chooses number and degree of the elements where a description does not give them. The choice does not depend on `base`, whose
+/// modes serve again where the two differ in loads only.
 ///
 /// # Errors
 /// [`AnalysisError`] if the scene is invalid, or `interrupt` requests a stop.
-pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolved, AnalysisError> {
+pub fn resolve(
+    given: &SceneDescription,
+    base: Option<&Resolved>,
+    interrupt: &Interrupt,
+) -> Result<Resolved, AnalysisError> {
     let automatic: Vec<usize> =
         given.shafts.iter().enumerate().filter(|(_, shaft)| shaft.is_automatic()).map(|(index, _)| index).collect();
     if automatic.is_empty() {
@@ -147,6 +150,9 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
         }
         let permitted_error = permitted(level, model.meshes.is_empty());
         let known = at_lowest_speed(model.clone()).map(contact_phases).ok();
+        if let (Some(phases), Some(base)) = (&known, base.and_then(|base| base.probe.as_ref())) {
+            base.share(&probe, phases);
+        }
         let known = known
             .and_then(|phases| excitations(&phases, LARGEST_TO_CHOOSE).ok().map(|excitations| (phases, excitations)));
         let Some((phases, excitations)) = known else {
@@ -182,7 +188,7 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
 /// varies.
 fn contact_phases(model: Model) -> Vec<CachedModel> {
     let range = |(index, mesh): (usize, &GearMesh)| {
-        let cycle = mesh.tooth_cycle(model.sigma(index, 0.0), CYCLE_POSITIONS);
+        let cycle = mesh.tooth_cycle(model.sigma(index, 0.0), TOOTH_CYCLE_SAMPLES);
         let stiffnesses = cycle.iter().map(|teeth| teeth.stiffness);
         // Teeth with a contact ratio below 1 separate in every cycle: no mode describes this.
         let stiffnesses = stiffnesses.filter(|stiffness| *stiffness > 0.0);

@@ -337,9 +337,9 @@ impl Forces {
                     }
                     continue;
                 }
-                // Loads over the speed have their value at this speed; other loads and bows no mean part.
-                Connection::Load(_) | Connection::Bow(_) => continue,
-                Connection::Bearing(bearing) => (&bearing.rows[..], bearing.static_tangent(speeds.flanks, q)),
+                // Loads over the speed have their value at this speed; other loads and bows no mean part. A model at a speed has
+                // the coefficients of its tables in the matrices.
+                Connection::Load(_) | Connection::Bow(_) | Connection::Bearing(_) => continue,
                 Connection::Nonlinear(bearing) => {
                     let known = match laws {
                         Laws::Exact => bearing.static_tangent(speeds.film, q),
