@@ -34,7 +34,7 @@ pub enum Uncarried {
     Unbalanced(f64),
 }
 
-/// Largest number of Newton iterations; ten are usual.
+/// Largest number of Newton iterations, and of iterations for the wet nodes of a film; six to ten are usual.
 pub(crate) const MAX_ITERATIONS: usize = 200;
 /// Residual force, relative to the load or to the scale of the film, below which the iteration has converged.
 pub(crate) const FORCE_TOLERANCE: f64 = 1e-13;

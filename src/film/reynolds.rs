@@ -19,6 +19,7 @@ use std::f64::consts::TAU;
 
 use super::table::PadShape;
 use super::{Vector, direction};
+use crate::bearing_force::MAX_ITERATIONS;
 use crate::linalg::{Band, Singular};
 use crate::scene::Rupture;
 
@@ -28,8 +29,6 @@ const AXIAL_INTERVALS: usize = 8;
 const CIRCUMFERENTIAL_INTERVALS: usize = 120;
 /// Smallest number of circumferential intervals of a pad.
 const MIN_PAD_INTERVALS: usize = 16;
-/// Largest number of iterations; about six are usual.
-const MAX_ITERATIONS: usize = 100;
 /// Number of points at which the node density is integrated, for each interval.
 const DENSITY_POINTS: usize = 4;
 

@@ -49,9 +49,6 @@ use crate::scene::{Accuracy, COMPARED_DURATION, MAX_DEGREE, Scene, SceneDescript
 const PROBE_DEGREE: usize = 4;
 /// Longest element of that model, in diameters of the shaft.
 const PROBE_LENGTH: f64 = 10.0;
-/// Both for [`Accuracy::Reference`], where modes of higher frequencies contribute to the permitted error.
-const FINE_PROBE_DEGREE: usize = 7;
-const FINE_PROBE_LENGTH: f64 = 5.0;
 /// Largest number of elements of a shaft of that model that is due to this length.
 const PROBE_ELEMENTS: f64 = 8.0;
 /// Safety factor on the error of the step response. Without it, the measured error of mesh forces is between 1/200 and 0.9
@@ -68,7 +65,7 @@ const LENGTH_RATIO: f64 = 0.8;
 /// segments have equal increases except for round-off.
 const PRICE_TOLERANCE: f64 = 1e-6;
 /// Number of element lengths that are examined.
-const EXAMINED_LENGTHS: usize = 16;
+const EXAMINED_LENGTHS: i32 = 16;
 /// Largest number of models that are examined until one meets the level.
 const MAX_PROBES: usize = 4;
 /// Largest number of coordinates that is chosen.
@@ -122,18 +119,14 @@ pub fn resolve(
     let scene = Scene::new(&plain)?;
     let layouts: Vec<Layout> =
         automatic.iter().map(|index| Layout::new(&given.shafts[*index], &scene.shafts[*index])).collect();
-    let (probe_degree, probe_length) = match level {
-        Accuracy::Reference => (FINE_PROBE_DEGREE, FINE_PROBE_LENGTH),
-        Accuracy::Draft | Accuracy::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
-    };
     let tone = highest_tone(&scene);
     let first = |i: usize| {
         let shaft = &scene.shafts[automatic[i]];
         let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius()).fold(f64::INFINITY, f64::min);
-        let longest = (probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS);
+        let longest = (PROBE_LENGTH * diameter).max(shaft.length() / PROBE_ELEMENTS);
         Elements {
-            degree: given.shafts[automatic[i]].degree.unwrap_or(probe_degree),
-            counts: layouts[i].counts_for(tone, longest, probe_degree),
+            degree: given.shafts[automatic[i]].degree.unwrap_or(PROBE_DEGREE),
+            counts: layouts[i].counts_for(tone, longest, PROBE_DEGREE),
         }
     };
     let mut chosen: Vec<Elements> = (0..automatic.len()).map(first).collect();
@@ -369,7 +362,7 @@ impl<'a> Search<'a> {
         for degree in 2..=MAX_DEGREE {
             for i in 0..EXAMINED_LENGTHS {
                 interrupt.check()?;
-                let candidate = self.uniform(degree, longest * LENGTH_RATIO.powi(i as i32));
+                let candidate = self.uniform(degree, longest * LENGTH_RATIO.powi(i));
                 let cheapest = best.as_ref().map_or(MAX_COORDINATES, |best| best.coordinates);
                 if candidate.coordinates >= cheapest && (best.is_some() || most_accurate.is_some()) {
                     break;

@@ -5,6 +5,7 @@ pub mod particles;
 
 use gearbow::analysis::simulate::System;
 use gearbow::mesh::{GearMesh, Geometry, MeshCoordinates};
+use gearbow::modal::CachedModel;
 use gearbow::model::Model;
 use gearbow::motion::EquationOfMotion;
 use gearbow::scene::description::{Bow, BowShape, Coefficient, Complex, Gravity};
@@ -133,7 +134,7 @@ pub fn points(positions: Vec<f64>, curve: impl Fn(f64) -> Complex64) -> Bow {
 }
 
 /// The motion of a cached model. Tolerances are relative to the deviation from the zero state.
-pub fn motion(cached: &System, geometry: Geometry, speed: f64, origin: f64) -> EquationOfMotion<'_> {
+pub fn motion(cached: &CachedModel, geometry: Geometry, speed: f64, origin: f64) -> EquationOfMotion<'_> {
     EquationOfMotion::new(cached, geometry, speed, origin, DVector::zeros(cached.model.len())).unwrap()
 }
 
