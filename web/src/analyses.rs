@@ -4,7 +4,7 @@ use gearbow::analysis::simulate::{self, Initial, Method, Options, RecordPlan, Re
 use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Threads};
 use gearbow::connection::MESH_CHANNELS;
 use gearbow::mesh::{Geometry, Involute};
-use gearbow::modal::{ModeSelection};
+use gearbow::modal::ModeSelection;
 use gearbow::model::Model;
 use gearbow::motion::Speed;
 use gearbow::scene::{Node, Scene, SceneDescription};
