@@ -34,10 +34,12 @@ pub enum Uncarried {
     Unbalanced(f64),
 }
 
-/// Largest number of Newton iterations; ten are usual.
-const MAX_ITERATIONS: usize = 200;
-/// Residual force, relative to the load, below which the iteration has converged.
-const FORCE_TOLERANCE: f64 = 1e-13;
+/// Largest number of Newton iterations, and of iterations for the wet nodes of a film; six to ten are usual.
+pub(crate) const MAX_ITERATIONS: usize = 200;
+/// Residual force, relative to the load or to the scale of the film, below which the iteration has converged.
+pub(crate) const FORCE_TOLERANCE: f64 = 1e-13;
+/// Largest unbalanced force, relative to the load, of an equilibrium: of a bearing, and of each shaft of a system.
+pub(crate) const MAX_RESIDUAL: f64 = 1e-6;
 /// Smallest fraction of a Newton step. With a smaller one, the residual changes by round-off only.
 const MIN_FRACTION: f64 = 1e-10;
 

@@ -1,9 +1,9 @@
 //! Train of the benchmarks: three shafts, two meshes, six bearings, balanced torques.
 #![allow(dead_code, clippy::unwrap_used, reason = "each benchmark uses a part of this file, and the scenes are valid")]
 
+use gearbow::analysis::simulate::System;
 use gearbow::integrate::{Halt, Observer, Trajectory};
 use gearbow::mesh::Geometry;
-use gearbow::modal::CachedModel;
 use gearbow::model::Model;
 use gearbow::motion::EquationOfMotion;
 use gearbow::scene::description::{Stiffness, StiffnessKind, StiffnessModel};
@@ -80,19 +80,19 @@ pub fn set_teeth(system: &mut SceneDescription, kind: StiffnessKind) {
 }
 
 /// Model of a description, with nothing cached.
-pub fn cached_from(system: &SceneDescription) -> CachedModel {
-    CachedModel::new(Model::new(Scene::new(system).unwrap()).unwrap())
+pub fn cached_from(system: &SceneDescription) -> System {
+    System::new(Model::new(Scene::new(system).unwrap()).unwrap())
 }
 
 /// Model of the train, with nothing cached.
-pub fn cached(elements: usize, excited: bool) -> CachedModel {
+pub fn cached(elements: usize, excited: bool) -> System {
     let cached = cached_from(&system(elements, excited));
     assert_eq!(cached.model.len(), 15 * (elements + 1));
     cached
 }
 
 /// Equation of motion with a small state, so that flanks stay in contact and run time does not depend on the state.
-pub fn motion(cached: &CachedModel, geometry: Geometry, speed: f64) -> (EquationOfMotion<'_>, Vec<f64>) {
+pub fn motion(cached: &System, geometry: Geometry, speed: f64) -> (EquationOfMotion<'_>, Vec<f64>) {
     let n = cached.model.len();
     let y = (0..2 * n).map(|i| 1e-7 * (0.7 * i as f64).sin()).collect();
     (EquationOfMotion::new(cached, geometry, speed, 0.0, DVector::zeros(n)).unwrap(), y)

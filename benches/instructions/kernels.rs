@@ -4,13 +4,13 @@
 
 use std::hint::black_box;
 
-use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, simulate};
+use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, System, simulate};
 use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, lowest_modes, synchronous};
 use gearbow::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use gearbow::integrate::{Adaptive, FirstOrderSystem as _, RungeKutta, State, Statistics, StepControl, run};
 use gearbow::linalg::Side;
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
-use gearbow::modal::{self, CachedModel, ModeSelection};
+use gearbow::modal::{self, ModeSelection};
 use gearbow::model::{Model, Weights};
 use gearbow::motion::{Profile, Speed};
 use gearbow::scene::description::StiffnessKind;
@@ -57,7 +57,7 @@ const MIDDLE: usize = 8;
 const LARGE: usize = 15;
 
 /// Leaks a model, because a kernel borrows it until the process ends.
-fn leak(cached: CachedModel) -> &'static CachedModel {
+fn leak(cached: System) -> &'static System {
     Box::leak(Box::new(cached))
 }
 
@@ -104,10 +104,10 @@ fn damped_modes() -> Work {
 
 /// Static equilibrium with live geometry.
 fn static_equilibrium() -> Work {
-    let model = cached(MIDDLE, true).model;
+    let model = cached(MIDDLE, true).model.clone();
     Box::new(move || {
         // A system keeps its equilibria, so that every call has its own.
-        let cached = CachedModel::new(model.clone());
+        let cached = System::new(model.clone());
         black_box(equilibrium(&cached, Geometry::Live, SPEED).unwrap());
     })
 }

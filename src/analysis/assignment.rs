@@ -2,8 +2,9 @@
 
 use nalgebra::Complex;
 
-/// Smallest correlation of a mode in a step; with a smaller value the step is halved.
-pub(super) const MIN_CORRELATION: f64 = 0.9;
+/// A step in which the correlation of a mode is smaller is halved.
+pub(super) use crate::modal::MIN_CORRELATION;
+
 /// Two modes that exchange their order are treated as crossing if the mixing of their shapes, beyond twice what they have in
 /// common before, is below this limit. A veering that takes less than a hundredth of the step is therefore a crossing.
 const MAX_MIXING_OF_CROSSING: f64 = 1e-4;

@@ -1,6 +1,6 @@
 //! Mass, centre of mass and moments of inertia of shafts with their sleeves, gears and disks.
 
-use crate::element::Section;
+use crate::element::{GAUSS_POINTS, Section};
 use crate::numerics::gauss;
 use crate::scene::Scene;
 
@@ -16,9 +16,6 @@ pub struct ShaftMass {
     /// Moment of inertia about a diameter through the centre of mass, kg m².
     pub diametral: f64,
 }
-
-/// Points of the Gauss rule over an element: ρA x² of a cone has the degree four.
-const GAUSS_POINTS: usize = 4;
 
 /// Mass properties of each shaft of a scene. Unbalances and bows are left out.
 pub fn mass_properties(scene: &Scene) -> Vec<ShaftMass> {

@@ -9,8 +9,6 @@
 //! and C at one speed; the remainder is a load like that of any other connection. The energy ½uᵀKu also changes with K.
 //! The drive prescribes the speed and therefore supplies this power: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::instant::{Instant, InterfaceOptions, Tangent};
 use super::{Bounds, Coefficients, Row};
 use crate::scene::{Bearing, BearingCoefficient, EntryPath, Matrix2, SceneError, outside_frequencies, outside_table};
@@ -132,12 +130,6 @@ impl SpeedDependentBearing {
     pub fn force(&self, speed: f64, q: &[f64], v: &[f64]) -> [f64; 2] {
         let ([k, c], u, rate) = (self.at(speed), self.scalars(q), self.scalars(v));
         std::array::from_fn(|row| k[row][0] * u[0] + k[row][1] * u[1] + c[row][0] * rate[0] + c[row][1] * rate[1])
-    }
-
-    /// Force over the scalars, N, and its derivative, N/m, at the displacements q of a system at rest.
-    pub fn static_tangent(&self, speed: f64, q: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
-        let Coefficients { stiffness, .. } = self.linear(speed);
-        (&stiffness * DVector::from_column_slice(&self.scalars(q)), stiffness)
     }
 
     /// Elastic energy ½uᵀKu, J.

@@ -17,4 +17,4 @@ pub use elastic::{Bending, Elastic, Rod, Values};
 pub use internal::{
     BendingFunction, InternalBeam, InternalBlocks, InternalRod, PlaceShape, geometric_stiffness, rod_degrees,
 };
-pub use profile::{Section, shear_coefficient};
+pub use profile::{GAUSS_POINTS, Section, shear_coefficient};

@@ -17,9 +17,9 @@ use nalgebra::Vector4;
 use crate::numerics::gauss;
 use crate::scene::{Element, Material, Tube};
 
-/// Points of the Gauss rules over a cone. The flexibility 1/EI of a solid cone whose diameters have the ratio 4 is integrated to
-/// 1e-12.
-const CONE_GAUSS_POINTS: usize = 16;
+/// Points of a Gauss rule over an element. The flexibility 1/EI of a solid cone whose diameters have the ratio 4 is integrated to
+/// 1e-12, and the product of a shape function of the largest degree with a sine over one radian to round-off.
+pub const GAUSS_POINTS: usize = 16;
 
 /// Shear coefficient κ of a hollow circular section with the ratio of radii m = rᵢ/rₒ (Cowper 1966).
 pub fn shear_coefficient(poisson_ratio: f64, radii_ratio: f64) -> f64 {
@@ -125,7 +125,7 @@ impl<'a> Profile<'a> {
             let phi = if shear { 12.0 * section.flexural / (section.shear * l * l) } else { 0.0 };
             return Self { element, shear, shape: Shape::Cylinder { section, phi } };
         }
-        let rule = gauss(CONE_GAUSS_POINTS);
+        let rule = gauss(GAUSS_POINTS);
         let integral = |of: &dyn Fn(f64, Section) -> f64| -> f64 {
             rule.iter().map(|(xi, weight)| weight * l * of(xi * l, Section::at(element, shear, *xi))).sum()
         };
@@ -155,13 +155,13 @@ impl<'a> Profile<'a> {
 
     /// ∫`of` dx over the element, in the sections at ξ.
     pub fn integral<T: std::ops::Add<Output = T>>(&self, zero: T, of: impl Fn(f64, f64) -> T) -> T {
-        let rule = gauss(CONE_GAUSS_POINTS);
+        let rule = gauss(GAUSS_POINTS);
         rule.iter().fold(zero, |sum, (xi, weight)| sum + of(*xi, weight * self.element.length))
     }
 
     /// Number of Gauss points that a cone needs beside those of the polynomials.
     pub fn further_points(&self) -> usize {
-        if self.cylinder().is_some() { 0 } else { CONE_GAUSS_POINTS / 2 }
+        if self.cylinder().is_some() { 0 } else { GAUSS_POINTS / 2 }
     }
 
     /// Stiffness over the strains: EI/l for the change φ₂ − φ₁, N m, the transverse stiffness, N/m, and the distance of the

@@ -3,10 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::Film;
-use crate::bearing_force::{Balance, BalanceSearch, BearingForce, Uncarried, Vector};
+use crate::bearing_force::{Balance, BalanceSearch, BearingForce, MAX_RESIDUAL, Uncarried, Vector};
 
-/// Largest residual force, relative to the load, of a result.
-pub(super) const MAX_RESIDUAL: f64 = 1e-6;
 /// Eccentricity ratio above which a search that fails means that the journal touches.
 pub const TOUCHING_RATIO: f64 = 0.9;
 /// Largest eccentricity ratio: closer surfaces touch.
@@ -19,7 +17,12 @@ const START_WEDGE: f64 = 0.4;
 const START_RATIOS: [f64; 3] = [0.3, 0.6, 0.8];
 const START_DIRECTIONS: usize = 8;
 /// A Newton step may use this part of the clearance that is left.
-pub(super) const CLEARANCE_SHARE: f64 = 0.8;
+const CLEARANCE_SHARE: f64 = 0.8;
+
+/// Largest part of the clearance that may be used after a Newton step from a displacement that uses a part of it.
+pub fn nearness_after_step(nearness: f64) -> f64 {
+    1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - nearness).max(0.0)
+}
 
 impl Film {
     /// Displacement of the journal across the pivot of a tilting pad, m, with which a search starts at a spin, rad/s.
@@ -33,12 +36,11 @@ impl Film {
     /// [`Uncarried`] if the journal touches the bearing, or comes closer than a hundredth of the clearance, or if the residual force
     /// exceeds `MAX_RESIDUAL` of the load.
     pub fn carrying(&self, load: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
-        let limit = |ratio: f64| 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - ratio);
         let search = BalanceSearch {
             load,
             force: &|e| self.at(e, [0.0; 2], spin),
             added_stiffness: &|_| 0.0,
-            is_permitted: &|from, to| self.nearness(to) <= limit(self.nearness(from)),
+            is_permitted: &|from, to| self.nearness(to) <= nearness_after_step(self.nearness(from)),
         };
         // A tilting pad carries where its film narrows in the direction of rotation.
         let wedge = self.start_wedge(spin);

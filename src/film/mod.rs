@@ -35,7 +35,7 @@ mod tilting;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-pub use equilibrium::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
+pub use equilibrium::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO, nearness_after_step};
 pub use reynolds::Reynolds;
 pub use table::{FilmTable, PadShape};
 pub use tilting::TiltingPads;

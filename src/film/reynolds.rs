@@ -19,18 +19,16 @@ use std::f64::consts::TAU;
 
 use super::table::PadShape;
 use super::{Vector, direction};
+use crate::bearing_force::MAX_ITERATIONS;
+use crate::linalg::{Band, Singular};
 use crate::scene::Rupture;
 
 /// Number of intervals over half the length, even for Simpson's rule.
 const AXIAL_INTERVALS: usize = 8;
-/// Number of entries of a row of the band matrix.
-const BAND_WIDTH: usize = AXIAL_INTERVALS + 1;
 /// Number of circumferential intervals of a full film.
 const CIRCUMFERENTIAL_INTERVALS: usize = 120;
 /// Smallest number of circumferential intervals of a pad.
 const MIN_PAD_INTERVALS: usize = 16;
-/// Largest number of iterations; about six are usual.
-const MAX_ITERATIONS: usize = 100;
 /// Number of points at which the node density is integrated, for each interval.
 const DENSITY_POINTS: usize = 4;
 
@@ -57,8 +55,6 @@ struct Grid {
     conductances: Vec<f64>,
     /// Pressure at the inner nodes, one row of [`AXIAL_INTERVALS`] values after the other.
     pressure: Vec<f64>,
-    /// Lower band of the matrix, [`AXIAL_INTERVALS`] + 1 entries for each node.
-    band: Vec<f64>,
 }
 
 impl Reynolds {
@@ -195,7 +191,7 @@ impl Grid {
         sum
     }
 
-    /// Solves the equation at the wet nodes by band Cholesky decomposition; the pressure is zero at dry ones.
+    /// Solves the equation at the wet nodes; the pressure is zero at dry ones.
     fn solve_wet(&mut self, slenderness: f64, beta: f64, wet: &[bool]) {
         let count = wet.len();
         self.pressure.clear();
@@ -203,28 +199,33 @@ impl Grid {
         let Some(first) = wet.iter().position(|wet| *wet) else { return };
         let last = wet.iter().rposition(|wet| *wet).unwrap_or(first);
         let (first, last) = (first - first % AXIAL_INTERVALS, last - last % AXIAL_INTERVALS + AXIAL_INTERVALS);
-        self.band.clear();
-        self.band.resize((last - first) * BAND_WIDTH, 0.0);
+        let mut band = Band::zeros(last - first, AXIAL_INTERVALS);
         for at in first..last {
-            let (row, column) = (at / AXIAL_INTERVALS, at % AXIAL_INTERVALS);
-            let own = (at - first) * BAND_WIDTH;
+            let (row, column, own) = (at / AXIAL_INTERVALS, at % AXIAL_INTERVALS, at - first);
             if !wet[at] {
-                self.band[own + AXIAL_INTERVALS] = 1.0;
+                band.add(own, own, 1.0);
                 continue;
             }
             let axial = self.axial(slenderness, row);
             let around = self.conductances[row] + self.conductances[row + 1];
-            self.band[own + AXIAL_INTERVALS] = height(column) * around + axial * if column == 0 { 1.0 } else { 2.0 };
+            band.add(own, own, height(column) * around + axial * if column == 0 { 1.0 } else { 2.0 });
+            let mut couple = |distance: usize, conductance: f64| {
+                band.add(own, own - distance, -conductance);
+                band.add(own - distance, own, -conductance);
+            };
             if column > 0 && wet[at - 1] {
-                self.band[own + AXIAL_INTERVALS - 1] = -axial;
+                couple(1, axial);
             }
-            if at >= first + AXIAL_INTERVALS && wet[at - AXIAL_INTERVALS] {
-                self.band[own] = -height(column) * self.conductances[row];
+            if own >= AXIAL_INTERVALS && wet[at - AXIAL_INTERVALS] {
+                couple(AXIAL_INTERVALS, height(column) * self.conductances[row]);
             }
             self.pressure[at] = self.source(row, column, beta);
         }
-        let pressure = &mut self.pressure[first..last];
-        solve_band(&mut self.band, pressure);
+        // The matrix is positive definite, unless its entries are not finite: then the pressure is not known.
+        match band.factor_without_exchanges() {
+            Ok(factors) => factors.solve(&mut self.pressure[first..last]),
+            Err(Singular) => self.pressure.fill(f64::NAN),
+        }
     }
 
     /// ∫∫ P e_α dα dζ.
@@ -255,33 +256,4 @@ fn simpson(column: usize) -> f64 {
         2.0
     };
     factor / (3.0 * AXIAL_INTERVALS as f64)
-}
-
-/// Solves a symmetric positive definite band system in place. A row of the band has the [`AXIAL_INTERVALS`] entries before the
-/// diagonal, then the diagonal.
-fn solve_band(band: &mut [f64], x: &mut [f64]) {
-    for i in 0..x.len() {
-        let (known, rest) = band.split_at_mut(i * BAND_WIDTH);
-        let (own, reach) = (&mut rest[..BAND_WIDTH], i.min(AXIAL_INTERVALS));
-        for back in (1..=reach).rev() {
-            let row = &known[(i - back) * BAND_WIDTH..][..BAND_WIDTH];
-            let shared = AXIAL_INTERVALS - back;
-            let sum: f64 = own[..shared].iter().zip(&row[back..AXIAL_INTERVALS]).map(|(a, b)| a * b).sum();
-            own[shared] = (own[shared] - sum) / row[AXIAL_INTERVALS];
-        }
-        let before = &mut own[AXIAL_INTERVALS - reach..];
-        let square: f64 = before[..reach].iter().map(|value| value * value).sum();
-        before[reach] = (before[reach] - square).sqrt();
-        let (solved, rest) = x.split_at_mut(i);
-        let sum: f64 = before[..reach].iter().zip(&solved[i - reach..]).map(|(a, b)| a * b).sum();
-        rest[0] = (rest[0] - sum) / before[reach];
-    }
-    for i in (0..x.len()).rev() {
-        let (row, reach) = (&band[i * BAND_WIDTH..][..BAND_WIDTH], i.min(AXIAL_INTERVALS));
-        let (earlier, rest) = x.split_at_mut(i);
-        rest[0] /= row[AXIAL_INTERVALS];
-        for (value, factor) in earlier[i - reach..].iter_mut().zip(&row[AXIAL_INTERVALS - reach..AXIAL_INTERVALS]) {
-            *value -= factor * rest[0];
-        }
-    }
 }

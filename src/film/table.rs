@@ -34,10 +34,8 @@ use crate::scene::Rupture;
 pub(super) const RADIAL_NODES: usize = 19;
 /// Largest ξ of the table: x = 0.99.
 const MAX_RADIAL_COORDINATE: f64 = 0.9;
-/// Number of directions of w.
-pub(super) const VELOCITY_DIRECTIONS: usize = 48;
-/// Number of directions of u over a full turn for a pad of less than 360°, even.
-const DISPLACEMENT_DIRECTIONS: usize = 48;
+/// Number of directions of w, and of those of u over a full turn for a pad of less than 360°; even.
+pub(super) const DIRECTIONS: usize = 48;
 /// Eccentricity ratio from which the derivative at the centre is computed.
 const CENTRE_RATIO: f64 = 0.05;
 /// Number of tables that are kept.
@@ -62,7 +60,7 @@ impl PadShape {
 
     /// Number of directions of u in the table.
     pub(super) fn turns(&self) -> usize {
-        if self.is_full() { 1 } else { DISPLACEMENT_DIRECTIONS }
+        if self.is_full() { 1 } else { DIRECTIONS }
     }
 
     /// 1 − a s² and 1 − a s²/2 and their derivatives by ψ, for an angle ψ from the middle of the pad.
@@ -106,37 +104,35 @@ type Local = ([usize; 4], [f64; 4], [f64; 4]);
 impl Splines {
     /// Number of coefficients of h and of f₀.
     pub(super) fn lengths(shape: &PadShape) -> [usize; 2] {
-        [(RADIAL_NODES + 2) * shape.turns() * VELOCITY_DIRECTIONS, VELOCITY_DIRECTIONS]
+        [(RADIAL_NODES + 2) * shape.turns() * DIRECTIONS, DIRECTIONS]
     }
 
     /// Computes the table of a pad. The motion that is mirrored about the middle of the pad has the mirrored force.
     pub(super) fn new(shape: &PadShape) -> Self {
         let (mut solver, turns) = (Reynolds::new(shape), shape.turns());
-        let angle = |index: usize| TAU * index as f64 / VELOCITY_DIRECTIONS as f64;
+        let angle = |index: usize| TAU * index as f64 / DIRECTIONS as f64;
         let along_velocity = |i: usize| {
             let (sin, cos) = angle(i).sin_cos();
             turned([cos, -sin], solver.force([0.0; 2], angle(i)))
         };
-        let centre: Vec<Vector> = (0..VELOCITY_DIRECTIONS).map(along_velocity).collect();
-        let mut values = vec![[0.0; 2]; RADIAL_NODES * turns * VELOCITY_DIRECTIONS];
-        let at = |node: usize, turn: usize, i: usize| {
-            (node * turns + turn % turns) * VELOCITY_DIRECTIONS + i % VELOCITY_DIRECTIONS
-        };
+        let centre: Vec<Vector> = (0..DIRECTIONS).map(along_velocity).collect();
+        let mut values = vec![[0.0; 2]; RADIAL_NODES * turns * DIRECTIONS];
+        let at = |node: usize, turn: usize, i: usize| (node * turns + turn % turns) * DIRECTIONS + i % DIRECTIONS;
         for turn in 0..=turns / 2 {
             let psi = TAU * turn as f64 / turns as f64;
             let is_own_image = turn == 0 || 2 * turn == turns;
-            let count = if is_own_image { VELOCITY_DIRECTIONS / 2 + 1 } else { VELOCITY_DIRECTIONS };
+            let count = if is_own_image { DIRECTIONS / 2 + 1 } else { DIRECTIONS };
             for i in 0..count {
                 let centre = at_ratio(&mut solver, 0.0, psi, angle(i));
                 for node in 0..RADIAL_NODES {
                     let value = deviation(&mut solver, node, psi, angle(i), centre);
                     values[at(node, turn, i)] = value;
-                    values[at(node, turns - turn, VELOCITY_DIRECTIONS - i)] = [value[0], -value[1]];
+                    values[at(node, turns - turn, DIRECTIONS - i)] = [value[0], -value[1]];
                 }
             }
         }
-        let shape = [RADIAL_NODES, turns, VELOCITY_DIRECTIONS];
-        let along = [bounded(RADIAL_NODES), periodic(VELOCITY_DIRECTIONS), periodic(turns.max(3))];
+        let shape = [RADIAL_NODES, turns, DIRECTIONS];
+        let along = [bounded(RADIAL_NODES), periodic(DIRECTIONS), periodic(turns.max(3))];
         let [Some(radial), Some(directions), Some(around)] = along else {
             // The matrices are diagonally dominant.
             return Self { deviation: Vec::new(), centre };
@@ -146,7 +142,7 @@ impl Splines {
             coefficients = transformed(&coefficients, shape, 1, &around);
         }
         let deviation = transformed(&coefficients, shape, 0, &radial);
-        Self { deviation, centre: transformed(&centre, [1, 1, VELOCITY_DIRECTIONS], 2, &directions) }
+        Self { deviation, centre: transformed(&centre, [1, 1, DIRECTIONS], 2, &directions) }
     }
 }
 
@@ -186,7 +182,7 @@ impl FilmTable {
         let reach = if self.shape.is_full() { [[1.0, 0.0]; 2] } else { self.shape.reach(psi - middle) };
         let [[near, near_slope], [range, range_slope]] = reach;
         let [value, slope, aside, along_gamma] = self
-            .interpolated(splines, ratio * range, psi - middle, &local(beta - psi, TAU, VELOCITY_DIRECTIONS))
+            .interpolated(splines, ratio * range, psi - middle, &local(beta - psi, TAU, DIRECTIONS))
             .map(|vector| turned(radial, vector));
         let (value_0, slope_0) = centre(splines, beta - middle, along);
         let y = ratio * near;
@@ -231,7 +227,7 @@ impl FilmTable {
         let mut sums = [[0.0; 2]; 4];
         for i in 0..4 {
             for j in 0..count {
-                let row = ((first + i) * turns + around.0[j]) * VELOCITY_DIRECTIONS;
+                let row = ((first + i) * turns + around.0[j]) * DIRECTIONS;
                 let (mut value, mut slope) = ([0.0; 2], [0.0; 2]);
                 for k in 0..4 {
                     let [y, z] = splines.deviation[row + gamma.0[k]];
@@ -253,7 +249,7 @@ impl FilmTable {
 /// f₀ and its derivative by β, for a velocity along a unit vector.
 #[inline]
 fn centre(splines: &Splines, beta: f64, along: Vector) -> (Vector, Vector) {
-    let beta = local(beta, TAU, VELOCITY_DIRECTIONS);
+    let beta = local(beta, TAU, DIRECTIONS);
     let (mut value, mut slope) = ([0.0; 2], [0.0; 2]);
     for k in 0..4 {
         let [y, z] = splines.centre[beta.0[k]];

@@ -19,15 +19,13 @@
 use num_complex::Complex64;
 
 use super::{FilmPad, Journal, MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
-use crate::bearing_force::{BalanceSearch, BearingForce, Uncarried, Vector};
-use crate::film::equilibrium::{CLEARANCE_SHARE, MAX_RESIDUAL};
+use crate::bearing_force::{
+    BalanceSearch, BearingForce, FORCE_TOLERANCE, MAX_ITERATIONS, MAX_RESIDUAL, Uncarried, Vector,
+};
+use crate::film::equilibrium::nearness_after_step;
 
-/// Moment of a pad about its pivot, relative to κ|Ω| R, below which it is round-off.
-const MOMENT_TOLERANCE: f64 = 1e-13;
 /// Stiffness of a pad across its pivot, relative to κ|Ω|/c, below which the pad is not loaded.
 const UNLOADED_STIFFNESS: f64 = 1e-9;
-/// Largest number of iterations for the tilt or the pivot of a pad; about eight are usual.
-const MAX_ITERATIONS: usize = 100;
 
 /// A bearing with tilting pads whose tilt is eliminated.
 #[derive(Clone, Debug)]
@@ -130,13 +128,12 @@ impl TiltingPads {
     /// # Errors
     /// [`Uncarried`] as for a film of fixed geometry.
     pub fn carrying(&self, load: Vector, spin: f64, frequency: f64) -> Result<(Vector, BearingForce), Uncarried> {
-        let limit = |ratio: f64| 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - ratio);
         let search = BalanceSearch {
             load,
             force: &|e| self.at(e, spin, 0.0),
             // A bearing of which no pad is loaded yet has no stiffness.
             added_stiffness: &|residual| residual.min(1.0) * load[0].hypot(load[1]) / self.clearance,
-            is_permitted: &|from, to| self.nearness(to) <= limit(self.nearness(from)),
+            is_permitted: &|from, to| self.nearness(to) <= nearness_after_step(self.nearness(from)),
         };
         let found = search.from([0.0; 2]);
         match self.nearness(found.displacement) {
@@ -158,7 +155,7 @@ impl TiltingPad {
         for _ in 0..MAX_ITERATIONS {
             let [force, slope] = [found.film.force, self.along(&found.film)].map(|v| y * v[0] + z * v[1]);
             let residual = force - stiffness * deflection;
-            if residual.abs() <= MOMENT_TOLERANCE * self.film.scale * spin.abs() {
+            if residual.abs() <= FORCE_TOLERANCE * self.film.scale * spin.abs() {
                 break;
             }
             deflection += residual / (stiffness + slope.max(0.0));
@@ -203,11 +200,11 @@ impl TiltingPad {
         }
         for _ in 0..MAX_ITERATIONS {
             let (residual, stiffness) = (moment(&found), slope(&found));
-            if residual.abs() <= MOMENT_TOLERANCE * scale || stiffness <= least {
+            if residual.abs() <= FORCE_TOLERANCE * scale || stiffness <= least {
                 break;
             }
             let mut step = -sign * (residual / stiffness).clamp(-clearance / 2.0, clearance / 2.0);
-            let limit = 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - found.nearness);
+            let limit = nearness_after_step(found.nearness);
             let mut next = at(b + step);
             let is_beyond = |next: &Tilted| next.nearness > limit || slope(next) <= least && moment(next) < 0.0;
             while is_beyond(&next) && step.abs() > f64::EPSILON * clearance {

@@ -22,13 +22,6 @@ pub trait Number: ComplexField<RealField = f64> + Copy {}
 
 impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
-/// Number of subdiagonals of a diagonal matrix.
-const DIAGONAL_BAND_WIDTH: usize = 0;
-/// Number of subdiagonals of shafts of degree one in torsion.
-const TORSION_BAND_WIDTH: usize = 1;
-/// The same in bending.
-const BENDING_BAND_WIDTH: usize = 3;
-
 /// A band matrix; row i stores the columns from i − L to i + L.
 #[derive(Clone, Debug)]
 pub struct Band<T> {
@@ -78,13 +71,14 @@ impl<T: Number> Band<T> {
     /// # Errors
     /// [`Singular`] if a pivot is zero or not finite.
     pub fn factor(self) -> Result<BandLu<T>, Singular> {
-        // The compiler unrolls the loops over a constant number of entries.
+        // The compiler unrolls the loops over a constant number of entries: that of a diagonal matrix, and of shafts of degree one
+        // in torsion and in bending.
         Arch::new().dispatch(
             #[inline(always)]
             || match self.reach {
-                DIAGONAL_BAND_WIDTH => self.factor_with(DIAGONAL_BAND_WIDTH, true),
-                TORSION_BAND_WIDTH => self.factor_with(TORSION_BAND_WIDTH, true),
-                BENDING_BAND_WIDTH => self.factor_with(BENDING_BAND_WIDTH, true),
+                0 => self.factor_with(0, true),
+                1 => self.factor_with(1, true),
+                3 => self.factor_with(3, true),
                 reach => self.factor_with(reach, true),
             },
         )
@@ -96,12 +90,17 @@ impl<T: Number> Band<T> {
     /// As [`Self::factor`].
     pub fn factor_without_exchanges(self) -> Result<BandLu<T>, Singular> {
         let reach = self.reach;
-        self.factor_with(reach, false)
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.factor_with(reach, false),
+        )
     }
 
     #[inline(always)]
     fn factor_with(self, reach: usize, exchanges: bool) -> Result<BandLu<T>, Singular> {
         let (size, width) = (self.size, 2 * reach + 1);
+        // Without exchanges, U has no more superdiagonals than the matrix.
+        let filled = if exchanges { width } else { reach + 1 };
         let mut upper = self.entries;
         // Every row begins with its first column within the matrix.
         for (row, entries) in upper.chunks_exact_mut(width).enumerate().take(reach) {
@@ -135,9 +134,10 @@ impl<T: Number> Band<T> {
             for (entries, multiplier) in below.take(end - k - 1) {
                 let factor = entries[0] * reciprocal;
                 *multiplier = factor;
-                for j in 1..width {
+                for j in 1..filled {
                     entries[j - 1] = entries[j] - factor * top[j];
                 }
+                entries.copy_within(filled.., filled - 1);
                 entries[width - 1] = T::zero();
             }
         }
@@ -183,12 +183,13 @@ impl<T: Number> BandLu<T> {
     /// The same for a right-hand side that is zero before the entry `from`; the entries of the solution before `to` are not
     /// computed.
     pub fn solve_part(&self, x: &mut [T], from: usize, to: usize) {
+        // As in [`Band::factor`].
         Arch::new().dispatch(
             #[inline(always)]
             || match self.reach {
-                DIAGONAL_BAND_WIDTH => self.solve_with(DIAGONAL_BAND_WIDTH, x, from, to),
-                TORSION_BAND_WIDTH => self.solve_with(TORSION_BAND_WIDTH, x, from, to),
-                BENDING_BAND_WIDTH => self.solve_with(BENDING_BAND_WIDTH, x, from, to),
+                0 => self.solve_with(0, x, from, to),
+                1 => self.solve_with(1, x, from, to),
+                3 => self.solve_with(3, x, from, to),
                 reach => self.solve_with(reach, x, from, to),
             },
         );

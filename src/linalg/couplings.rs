@@ -12,12 +12,11 @@ use super::blocks::{BlockFactors, Blocks};
 use super::coupled_bands::CoupledBands;
 use super::dense::matrix_of_columns;
 use super::product::LANES;
+use crate::numerics::ROUND_OFF;
 
 /// A coordinate is soft if its entry on the diagonal is below this fraction of its couplings. The solution of Woodbury's formula loses
 /// this factor of accuracy, which one refinement gives back; with 1e-3, all modes of a housing would be soft under stiff bearings.
 const SOFT: f64 = 1e-6;
-/// A motion whose part independent of the others is below this fraction is a combination of them.
-const DEPENDENT: f64 = 1e-12;
 
 /// Number of the chain of a coordinate, for chains with the first coordinates `starts`.
 pub(super) fn chain_of(starts: &[usize], coordinate: usize) -> usize {
@@ -276,7 +275,8 @@ fn independent_columns(columns: &DMatrix<f64>) -> DMatrix<f64> {
         for _ in 0..2 {
             basis.iter().for_each(|known| rest.axpy(-known.dot(&rest), known, 1.0));
         }
-        if rest.norm() > DEPENDENT * size {
+        // A motion whose part independent of the others is round-off is a combination of them.
+        if rest.norm() > ROUND_OFF * size {
             basis.push(rest.normalize());
         }
     }

@@ -25,7 +25,7 @@ mod product;
 mod sparse;
 mod tridiagonal;
 
-pub use band::Singular;
+pub use band::{Band, Singular};
 pub use band_order::BandOrder;
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use chain::{ChainFactor, ChainMatrix};

@@ -15,6 +15,7 @@ mod refusals;
 use self::clearance::{TangentPart, check_journals, check_tilts, regularisation, within_clearances};
 use self::forces::{AtRest, Contacts, Forces, Laws, elastic_tangent, tangent_towards};
 use self::refusals::{check_balance, check_constraints, check_rotation, unconverged};
+use crate::bearing_force::MAX_RESIDUAL;
 use crate::connection::BearingTangent;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
 use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
@@ -26,13 +27,8 @@ use crate::scene::SceneError;
 
 /// Largest displacement of a Newton step, relative to the largest displacement, below which the iteration has converged.
 const CONVERGENCE_TOLERANCE: f64 = 1e-13;
-/// The same limit for steps that have stopped to decrease, because of round-off in stiff scenes.
-const STALL_TOLERANCE: f64 = 1e-7;
 /// Ratio of the norms of the unbalanced forces after and before a step above which the tangent is computed anew.
 const TANGENT_REUSE_RATIO: f64 = 1e-2;
-/// Part of the decrease that the tangent predicts which a step must reach (Armijo's condition; Nocedal and Wright, Numerical
-/// Optimization, 2nd ed., 2006, section 11.2).
-const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Part of a step by which the distance from the equilibrium must decrease (Deuflhard, algorithm NLEQ-ERR).
 const SUFFICIENT_APPROACH: f64 = 0.25;
 /// Power of the unbalanced forces along a step at its end, relative to that at its begin, above which the step is doubled.
@@ -44,8 +40,6 @@ const MAX_START_ITERATIONS: usize = 20;
 /// Distance of a nonlinear bearing from where it carries its force, relative to its displacement, below which Newton's
 /// method starts.
 const START_TOLERANCE: f64 = 0.03;
-/// Largest unbalanced force of a shaft over its load, and largest part of the load that the springs on null motions may carry.
-const MAX_RESIDUAL: f64 = 1e-6;
 /// Smallest increment of the part of the load that acts.
 const LEAST_LOAD_INCREMENT: f64 = 1.0 / 128.0;
 /// Largest number of iterations. A smooth problem takes three to five, a loaded journal or rolling bearing up to twenty.
@@ -317,7 +311,6 @@ impl<'m> Search<'m> {
     ) -> Result<(DVector<f64>, Vec<Flank>), EquilibriumError> {
         let (model, bodies) = (&*self.at_rest.model, &self.at_rest.bodies);
         let mut point = self.at(q, &flanks, Laws::Exact)?;
-        let mut previous = f64::INFINITY;
         let mut factors: Option<CoupledFactors> = None;
         let mut overlap = None;
         for _ in 0..MAX_ITERATIONS {
@@ -329,12 +322,11 @@ impl<'m> Search<'m> {
             let step = self.step(&known, &point.residual)?;
             let size = bodies.size(&step);
             let largest = bodies.size(&point.q).max(size);
-            let is_stalled = size <= STALL_TOLERANCE * largest && size >= previous / 2.0;
-            if size <= CONVERGENCE_TOLERANCE * largest || is_stalled {
+            if size <= CONVERGENCE_TOLERANCE * largest {
                 let q = point.q + step;
                 let pressed = pressed_flanks(&self.at_rest, &flanks, &q)?;
                 let is_final = pressed == flanks;
-                (flanks, previous) = (pressed, f64::INFINITY);
+                flanks = pressed;
                 point = self.at(q, &flanks, Laws::Exact)?;
                 if is_final {
                     check_constraints(&point.carried, load)?;
@@ -344,7 +336,6 @@ impl<'m> Search<'m> {
                 }
                 continue;
             }
-            previous = size;
             let advance = match self.advance(&known, &point, &flanks, &step) {
                 Err(EquilibriumError::Overlap { .. }) if is_old => None,
                 other => other?,
@@ -356,7 +347,7 @@ impl<'m> Search<'m> {
                     factors = (ratio <= TANGENT_REUSE_RATIO).then_some(known);
                     point = next;
                 }
-                None if is_old => previous = f64::INFINITY,
+                None if is_old => {}
                 None => break,
             }
         }
@@ -377,8 +368,8 @@ impl<'m> Search<'m> {
         Ok(step)
     }
 
-    /// The point after the largest fraction of a step that reduces the unbalanced forces, the distance from the equilibrium or the
-    /// energy; none if no fraction does.
+    /// The point after the largest fraction of a step that reduces the distance from the equilibrium or the energy; none if no
+    /// fraction does.
     ///
     /// The distance is the next step with the same factors (natural monotonicity test; Deuflhard, Newton Methods for Nonlinear
     /// Problems, 2004, section 3.3.1). Where a large motion has small curvature along stiff coordinates, forces grow on steps
@@ -404,26 +395,23 @@ impl<'m> Search<'m> {
             match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
                 Err(error @ EquilibriumError::Overlap { .. }) => overlap = Some(error),
                 Err(error) => return Err(error),
-                Ok(next) => {
-                    let [before, after] = self.norms([point, &next]);
+                Ok(mut next) => {
                     let approaches = || -> Result<bool, EquilibriumError> {
                         let [step, left] =
                             [step, &self.step(factors, &next.residual)?].map(|q| self.at_rest.bodies.size(q));
                         Ok(left <= step * (1.0 - fraction * SUFFICIENT_APPROACH))
                     };
                     let descends = has_energy && drive(&next) >= 0.0;
-                    if after <= before * (1.0 - SUFFICIENT_DECREASE * fraction) || descends || approaches()? {
-                        let mut found = Advance { next, ratio: after / before, overlap };
-                        while descends && drive(&found.next) >= UNFINISHED_DRIVE {
+                    if descends || approaches()? {
+                        while descends && drive(&next) >= UNFINISHED_DRIVE {
                             fraction *= 2.0;
-                            let further = match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
+                            next = match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
                                 Ok(further) if drive(&further) >= 0.0 => further,
                                 _ => break,
                             };
-                            let [before, after] = self.norms([point, &further]);
-                            (found.next, found.ratio) = (further, after / before);
                         }
-                        return Ok(Some(found));
+                        let [before, after] = self.norms([point, &next]);
+                        return Ok(Some(Advance { next, ratio: after / before, overlap }));
                     }
                 }
             }

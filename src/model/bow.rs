@@ -10,17 +10,10 @@ use std::convert::Infallible;
 use nalgebra::{DMatrix, Vector4};
 use num_complex::Complex64;
 
-use crate::element::{BendingFunction, Section, deflection};
+use crate::element::{BendingFunction, GAUSS_POINTS, Section, deflection};
 use crate::linalg::ChainMatrix;
 use crate::numerics::{EQUALITY_TOLERANCE, Sample, gauss, maximum};
-use crate::scene::{Bow, BowCurve, Element, Scene, SceneError, Shaft};
-
-/// Stiffness of a rigid bearing relative to the largest diagonal entry of the shaft stiffness.
-const RIGID_STIFFNESS: f64 = 1e8;
-
-/// Points of the Gauss rule on a piece of an element, over which the curvature is a sine over one radian or a line. The rule
-/// is exact to round-off with shape functions of the largest degree.
-const CURVATURE_GAUSS_POINTS: usize = 16;
+use crate::scene::{Bow, BowCurve, Element, RIGID, Scene, SceneError, Shaft};
 
 /// Number of parts of an element between whose ends the largest deflection is searched.
 const DEFLECTION_SAMPLES: usize = 16;
@@ -52,7 +45,7 @@ fn shape_of_curve(shaft: &Shaft, curve: &BowCurve, stiffness: &ChainMatrix<2>) -
         let (deflection, slope) = curve.at(*x);
         shape.extend([deflection, slope]);
     }
-    let rule = if stiffness.internal.is_empty() { Vec::new() } else { gauss(CURVATURE_GAUSS_POINTS) };
+    let rule = if stiffness.internal.is_empty() { Vec::new() } else { gauss(GAUSS_POINTS) };
     for (element, blocks) in stiffness.internal.iter().enumerate() {
         shape.extend(internal(shaft, curve, element, &rule, &blocks.block));
     }
@@ -117,7 +110,7 @@ fn unit_sag(
     });
     let mut supported = stiffness.clone();
     for node in &bearings {
-        supported.nodal.add_at_node(*node, 0, 0, RIGID_STIFFNESS * largest);
+        supported.nodal.add_at_node(*node, 0, 0, RIGID * largest);
     }
     let factor =
         supported.factor().map_err(|_| undefined("the sag is lost to round-off; give the bow by points instead"))?;

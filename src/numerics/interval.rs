@@ -1,5 +1,7 @@
 //! Searches on an interval: bisection, a root of a function, and a maximum.
 
+use super::ROUND_OFF;
+
 /// A point and the value of a function there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
@@ -9,8 +11,6 @@ pub struct Sample {
     pub value: f64,
 }
 
-/// Relative error of a root.
-const ROOT_TOLERANCE: f64 = 1e-12;
 /// A smooth function needs fewer than ten iterations.
 const MAX_ITERATIONS: usize = 100;
 
@@ -36,13 +36,13 @@ pub fn bisect<E>(
     Ok([before, after])
 }
 
-/// The root between two points with values of opposite signs, by the method of Illinois (Dowell and Jarratt, BIT 11, 1971).
+/// The root between two points with values of opposite signs, up to round-off, by the method of Illinois (Dowell and Jarratt, BIT 11, 1971).
 ///
 /// # Errors
 /// Those of `value`.
 pub fn root<E>([mut low, mut high]: [Sample; 2], mut value: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
     for _ in 0..MAX_ITERATIONS {
-        if (high.at - low.at).abs() <= ROOT_TOLERANCE * high.at.abs() || high.value == 0.0 {
+        if (high.at - low.at).abs() <= ROUND_OFF * high.at.abs() || high.value == 0.0 {
             break;
         }
         let secant = high.at - high.value * (high.at - low.at) / (high.value - low.value);
@@ -57,7 +57,7 @@ pub fn root<E>([mut low, mut high]: [Sample; 2], mut value: impl FnMut(f64) -> R
             low.value /= 2.0;
         }
         high = next;
-        if next.value.abs() <= ROOT_TOLERANCE * at.abs() {
+        if next.value.abs() <= ROUND_OFF * at.abs() {
             break;
         }
     }

@@ -134,7 +134,7 @@ pub fn critical_speed_map(
     // The stiffest bearings need the finest elements. Equal elements make the shapes of all stiffnesses comparable.
     let given = with(&model.description, largest);
     let found = model.run(py, memory, move |cached, interrupt| {
-        let description = analysis::resolve(&given, interrupt)?.description;
+        let description = analysis::resolve(&given, None, interrupt)?.description;
         let threads = Threads::new(memory.threads(&cached.model, threads), stiffnesses.len());
         let at = |stiffness: f64| Ok(Model::new(Scene::new(&with(&description, stiffness))?)?);
         analysis::critical_speed_map(at, &stiffnesses, order, count, &threads, interrupt)
@@ -347,12 +347,11 @@ fn require_peaks(speeds: usize) -> Result<(), SceneError> {
 
 /// Refuses a Campbell diagram that does not fit into memory.
 fn require_campbell(speeds: usize, modes: usize) -> Result<(), SceneError> {
-    // A complex eigenvalue in the search and in the result, and the text of the whirl in Rust and in Python.
-    const BYTES: usize = 256;
     let kept = Kept {
         argument: "speeds",
         what: format!("{modes} eigenvalues at {speeds} speeds"),
-        bytes: product(&[speeds, modes, BYTES]),
+        // A complex eigenvalue in the search and in the result, and the text of the whirl in Rust and in Python.
+        bytes: product(&[speeds, modes, 256]),
         remedy: "give fewer speeds at a time, or a smaller count",
     };
     kept.require()
@@ -360,11 +359,10 @@ fn require_campbell(speeds: usize, modes: usize) -> Result<(), SceneError> {
 
 /// Indices of the values that are larger than their neighbours: at most eight, those with the largest values.
 fn local_maxima(values: &[f64]) -> Vec<usize> {
-    const MOST: usize = 8;
     let is_maximum = |at: &usize| values[*at] > values[at - 1] && values[*at] >= values[at + 1];
     let mut found: Vec<usize> = (1..values.len().saturating_sub(1)).filter(is_maximum).collect();
     found.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
-    found.truncate(MOST);
+    found.truncate(8);
     found
 }
 

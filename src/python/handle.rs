@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use super::background;
 use super::errors::warn;
+use crate::analysis::simulate::System;
 use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Interrupt, Resolved};
 use crate::modal::CachedModel;
 use crate::model::Model;
@@ -20,7 +21,7 @@ pub struct PyModel {
     /// The description with the chosen numbers and degrees of elements.
     pub resolved: Resolved,
     /// The assembled model with its cached modes, shared with the threads that analyse it.
-    pub cached: Arc<CachedModel>,
+    pub cached: Arc<System>,
     /// Errors to expect of the elements, computed on first use.
     pub element_errors: OnceLock<ElementErrors>,
     /// Whether the warning about ill-conditioning has been issued.
@@ -30,42 +31,46 @@ pub struct PyModel {
 impl PyModel {
     /// Checks and assembles a description.
     pub fn build(description: SceneDescription, interrupt: &Interrupt) -> Result<Self, AnalysisError> {
-        let resolved = analysis::resolve(&description, interrupt)?;
+        let resolved = analysis::resolve(&description, None, interrupt)?;
         let model = assemble(&resolved.description)?;
-        Ok(Self::of_model(description, resolved, CachedModel::new(model)))
+        Ok(Self::of_model(description, resolved, System::new(model)))
     }
 
-    /// Checks and assembles a variation of another system. If the two differ in loads only, the variation has the elements of
-    /// the other one where they meet the level, and shares its modes and the reduction of its runs.
-    pub fn build_variation(
+    /// Checks and assembles a system that differs from another one. If the two differ in loads only, it shares the modes of the
+    /// other one. A variation has also its elements, where they meet the level, and the reduction of its runs.
+    pub fn build_changed(
         description: SceneDescription,
         base: &Self,
+        is_variation: bool,
         interrupt: &Interrupt,
     ) -> Result<Self, AnalysisError> {
-        let accuracy = |description: &SceneDescription| description.accuracy.unwrap_or_default();
-        let resolved = if linear_part(&description) == linear_part(&base.description)
-            && accuracy(&description) == accuracy(&base.description)
-        {
-            analysis::resolve_variation(&description, &base.resolved)?
-        } else {
-            None
+        let takes_elements = is_variation
+            && description.accuracy.unwrap_or_default() == base.description.accuracy.unwrap_or_default()
+            && description.without_loads() == base.description.without_loads();
+        let taken = if takes_elements { analysis::resolve_variation(&description, &base.resolved)? } else { None };
+        let resolved = match taken {
+            Some(resolved) => resolved,
+            None => analysis::resolve(&description, Some(&base.resolved), interrupt)?,
         };
-        let resolved = resolved.map_or_else(|| analysis::resolve(&description, interrupt), Ok)?;
-        let scene = || Scene::new(&resolved.description);
-        if base.model().nonlinear_bearings.is_empty()
+        if is_variation
+            && base.model().nonlinear_bearings.is_empty()
             && !description.geometric_stiffness
-            && linear_part(&resolved.description) == linear_part(&base.resolved.description)
-            && let Some(model) = base.model().with_loads(scene()?)?
+            && resolved.description.without_loads() == base.resolved.description.without_loads()
+            && let Some(model) = base.model().with_loads(Scene::new(&resolved.description)?)?
         {
             let shares = model.has_coordinates_of(base.model());
-            let cached = if shares { CachedModel::variation(model, &base.cached) } else { CachedModel::new(model) };
+            let cached = if shares { System::variation(model, &base.cached) } else { System::new(model) };
             return Ok(Self::of_model(description, resolved, cached));
         }
         let model = assemble(&resolved.description)?;
-        Ok(Self::of_model(description, resolved, CachedModel::new(model)))
+        let made = Self::of_model(description, resolved, System::new(model));
+        if !is_variation {
+            made.share_linear_part(base);
+        }
+        Ok(made)
     }
 
-    fn of_model(description: SceneDescription, resolved: Resolved, cached: CachedModel) -> Self {
+    fn of_model(description: SceneDescription, resolved: Resolved, cached: System) -> Self {
         Self {
             description,
             resolved,
@@ -86,7 +91,7 @@ impl PyModel {
         let shares = self.model().nonlinear_bearings.is_empty()
             && !self.description.geometric_stiffness
             && self.model().has_coordinates_of(other.model())
-            && linear_part(&self.resolved.description) == linear_part(&other.resolved.description);
+            && self.resolved.description.without_loads() == other.resolved.description.without_loads();
         if shares {
             self.cached.share(&other.cached);
         }
@@ -136,10 +141,4 @@ impl PyModel {
 fn assemble(description: &SceneDescription) -> Result<Model, AnalysisError> {
     let scene = Scene::new(description)?;
     if description.geometric_stiffness { analysis::with_axial_forces(scene) } else { Ok(Model::new(scene)?) }
-}
-
-/// The description without loads and without the accuracy. A resolved description contains the elements, which are all of
-/// the model that the accuracy determines.
-fn linear_part(description: &SceneDescription) -> SceneDescription {
-    SceneDescription { accuracy: None, ..description.without_loads() }
 }

@@ -42,13 +42,12 @@ enum Site {
 
 /// Refuses modes that do not fit into memory.
 fn require_modes(model: &Model, count: usize) -> Result<(), SceneError> {
-    // A complex shape in the search, twice in the result and its conversion, and four vectors of a Krylov space of states.
-    const BYTES: usize = 160;
     let modes = count.min(2 * model.len());
     let kept = Kept {
         argument: "count",
         what: format!("the shapes of {modes} modes over {} degrees of freedom", model.len()),
-        bytes: product(&[modes, model.len(), BYTES]),
+        // A complex shape in the search, twice in the result and its conversion, and four vectors of a Krylov space of states.
+        bytes: product(&[modes, model.len(), 160]),
         remedy: "ask for fewer modes",
     };
     kept.require()
@@ -77,12 +76,13 @@ impl PyModel {
         background::result_of(py, move |interrupt| Self::build(description, interrupt))
     }
 
-    /// A variation of this system. If the two differ in loads only, the variation has the elements of this system where they
-    /// meet the level, and shares its modes and the reduction of its runs.
-    fn variation(owner: &Bound<'_, Self>, description: &Bound<'_, PyAny>) -> PyResult<Self> {
+    /// A system that differs from this one; see [`Self::build_changed`].
+    fn changed(owner: &Bound<'_, Self>, description: &Bound<'_, PyAny>, is_variation: bool) -> PyResult<Self> {
         let description = SceneDescription::from_objects(&mut Depythonizer::from_object(description))?;
         let base = owner.clone().unbind();
-        background::result_of(owner.py(), move |interrupt| Self::build_variation(description, base.get(), interrupt))
+        background::result_of(owner.py(), move |interrupt| {
+            Self::build_changed(description, base.get(), is_variation, interrupt)
+        })
     }
 
     /// Uses the modes and state-space models of another system, if the two differ in loads only; returns whether it does.

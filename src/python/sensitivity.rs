@@ -13,12 +13,13 @@ use super::convert::{stack, table};
 use super::errors::caught;
 use super::frequency::finite_speeds;
 use super::handle::PyModel;
+use crate::analysis::simulate::System;
 use crate::analysis::{
     self, AnalysisError, Dense, FrequencyResponses, Harmonic, HarmonicOutputs, HarmonicSource, HarmonicSystem,
     MotionPoint, SparseEntry, TERMS,
 };
 use crate::mesh::Geometry;
-use crate::modal::{CachedModel, EquilibriumChange, Highest, NullVectors};
+use crate::modal::{EquilibriumChange, Highest, NullVectors};
 use crate::model::{Model, StructuralDamping};
 use crate::scene::{SceneError, description};
 
@@ -57,7 +58,7 @@ impl Outputs<'_> {
 
 /// A system that a harmonic response has, with what excites and measures it.
 struct Given {
-    cached: Arc<CachedModel>,
+    cached: Arc<System>,
     sources: Vec<HarmonicSource>,
     outputs: HarmonicOutputs,
 }

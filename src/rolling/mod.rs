@@ -14,13 +14,12 @@
 //! γ = (d/D) cos α (Harris, Rolling Bearing Analysis, 4th ed., 2001, chapters 7 and 8). Centrifugal forces and slip are neglected.
 //!
 //! `mean.rs` is the force averaged over the angles of the cage, `equilibrium.rs` the displacement under a load, and `ring.rs` a
-//! ring that also moves along the axis and tilts, with `ring_mean.rs` and `ring_equilibrium.rs`. K is given, or that of
+//! ring that also moves along the axis and tilts, with `ring_mean.rs`. K is given, or that of
 //! `src/scene/hertz.rs`.
 
 mod equilibrium;
 mod mean;
 mod ring;
-mod ring_equilibrium;
 mod ring_mean;
 
 use std::f64::consts::TAU;

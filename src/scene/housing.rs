@@ -180,31 +180,32 @@ pub(super) fn attachments(
         }
     };
     let found = system.bearings.iter().enumerate().map(attachment).collect::<Result<Vec<_>, _>>()?;
+    let carried = |support: usize| {
+        let stands = move |place: &Option<Attachment>| matches!(place, Some(Attachment::Housing { housing, .. }) if *housing == support);
+        found.iter().zip(&seats).filter(move |(place, _)| stands(place)).map(|(_, seat)| seat)
+    };
     for (index, given) in system.supports.iter().enumerate() {
         let at = EntryPath::entry("supports", index);
-        housings[index].attachment = place_of_support((index, given), (&found, &seats), system, housings, &at)?;
+        housings[index].attachment = place_of_support(given, carried(index), system, housings, &at)?;
     }
     let first = system.supports.len() + system.housings.len();
     for (number, (bearing, given)) in own_supports(system).enumerate() {
         let (index, entry) = (first + number, EntryPath::entry("bearings", bearing));
         let at = entry.field("support");
-        housings[index].attachment = place_of_support((index, given), (&found, &seats), system, housings, &at)?;
+        housings[index].attachment = place_of_support(given, carried(index), system, housings, &at)?;
     }
     Ok(found)
 }
 
-/// Place of a support, with its index among supports and housings, on the housing on which it stands; `None` for the ground. The
-/// bearings are given with their places.
-fn place_of_support(
-    (index, given): (usize, &description::Support),
-    (attachments, seats): (&[Option<Attachment>], &[Seat]),
+/// Place of a support that carries bearings at seats on the housing on which it stands; `None` for the ground.
+fn place_of_support<'a>(
+    given: &description::Support,
+    mut carried: impl Iterator<Item = &'a Seat>,
     system: &SceneDescription,
     housings: &[Housing],
     at: &EntryPath<'_>,
 ) -> Result<Option<Attachment>, SceneError> {
     let (Some(base), at) = (&given.support, at.field("support")) else { return Ok(None) };
-    let stands = |attachment: &Option<Attachment>| matches!(attachment, Some(Attachment::Housing { housing, .. }) if *housing == index);
-    let mut carried = attachments.iter().zip(seats).filter(|(attachment, _)| stands(attachment)).map(|(_, seat)| seat);
     // A support carries one bearing at least.
     let Some(seat) = carried.next() else { return Ok(None) };
     if carried.any(|other| other.place != seat.place) {

@@ -4,13 +4,12 @@ use std::f64::consts::TAU;
 
 use super::description::{self, FilmModel, Profile, Reduction, Rupture};
 use super::{EntryPath, SceneError};
+use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Ratios L/D for which the grid of the finite film is made; its errors were measured within them.
 const LENGTH_RATIOS: [f64; 2] = [0.1, 2.0];
 /// Extents of a pad for which the grid is made, rad, or 2π.
 const EXTENTS: [f64; 2] = [0.1, 6.2];
-/// Difference of angles below which they are equal, rad: that of numbers with ten digits.
-const ANGLE_TOLERANCE: f64 = 1e-9;
 /// Extent of the axial grooves between the pads of a profile, rad.
 const GROOVE: f64 = TAU / 18.0;
 /// Numbers of tilting pads that hold a shaft.
@@ -371,7 +370,7 @@ fn given_pads(given: &[description::Pad], length: f64, clearance: f64, at: &Entr
         let at = at.index(index);
         let extent = at.field("extent").positive(pad.extent)?;
         let [least, most] = EXTENTS;
-        if !(least..=most).contains(&extent) && (extent - TAU).abs() > ANGLE_TOLERANCE {
+        if !(least..=most).contains(&extent) && (extent - TAU).abs() > EQUALITY_TOLERANCE {
             let message = format!("must be between {least} and {most} rad, or 2 pi, got {extent}; is it in degrees?");
             return Err(at.field("extent").error(message));
         }
@@ -388,7 +387,7 @@ fn given_pads(given: &[description::Pad], length: f64, clearance: f64, at: &Entr
     for (index, pad) in pads.iter().enumerate() {
         for (other, next) in pads.iter().enumerate().filter(|(other, _)| *other != index) {
             let apart = (next.begin - pad.begin).rem_euclid(TAU);
-            if apart < pad.extent - ANGLE_TOLERANCE {
+            if apart < pad.extent - EQUALITY_TOLERANCE {
                 let message = format!("overlaps pads[{other}], which begins {apart:.4} rad after its begin");
                 return Err(at.index(index).field("extent").error(message));
             }

@@ -68,6 +68,7 @@ pub use mesh::{Damping, Mesh};
 pub use modal_damping::DampingRatios;
 pub use nonlinear::{Nonlinear, bearing};
 pub use number::{outside_frequencies, outside_table, range_with_rpm, short, with_rpm};
+pub use rigid::RIGID;
 pub use rolling::Rolling;
 pub use shaft::{Element, MAX_DEGREE, Shaft, Tube};
 pub use speed_table::{BearingCoefficient, Matrix2};

@@ -8,7 +8,7 @@ use super::{Attachment, HousingPoint, Matrix2, Node, Scene, Shaft};
 /// Largest stiffness of a spring over that of the shaft next to it. Natural frequencies change by 1e-9 of themselves at most.
 /// Dense decompositions leave 1e-5 of the forces in a mode at this ratio, and 1e-4, more than a mode may have, at 1e10
 /// (2 to 60 elements).
-const RIGID: f64 = 1e8;
+pub const RIGID: f64 = 1e8;
 
 /// Stiffness in each direction.
 #[derive(Clone, Copy, Default)]

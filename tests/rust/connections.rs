@@ -2,14 +2,14 @@
 //! of a bearing in the matrices; tables, rolling elements and oil films give the same motion by every method.
 
 use crate::common::{Noise, largest, model, train};
-use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, simulate};
+use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, System, simulate};
 use gearbow::analysis::{
     ExcitationPart, Interrupt, Spectrum, Threads, campbell, critical_speeds, equilibrium, synchronous,
 };
 use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tangent};
 use gearbow::integrate::Statistics;
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
-use gearbow::modal::{CachedModel, ModeSelection, modes};
+use gearbow::modal::{ModeSelection, modes};
 use gearbow::motion::{Energies, Profile, SourceTerms, Speed};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Gravity;
@@ -51,8 +51,8 @@ fn with_bearing(system: &SceneDescription, entries: &str) -> SceneDescription {
 }
 
 /// The system with its first bearing in the matrices, and as a connection.
-fn forms(system: &SceneDescription) -> [CachedModel; 2] {
-    [CONSTANT, SAME_AT_ALL_SPEEDS].map(|entries| CachedModel::new(model(&with_bearing(system, entries))))
+fn forms(system: &SceneDescription) -> [System; 2] {
+    [CONSTANT, SAME_AT_ALL_SPEEDS].map(|entries| System::new(model(&with_bearing(system, entries))))
 }
 
 fn heavy() -> SceneDescription {
@@ -93,7 +93,7 @@ fn options(speed: Speed, method: Method, step: Option<f64>) -> Options {
     }
 }
 
-fn run(cached: &CachedModel, options: &Options) -> Response {
+fn run(cached: &System, options: &Options) -> Response {
     let requests = ["gears", "energy"].map(|name| Request::Name(name.to_owned()));
     let plan = RecordPlan::new(&cached.model, &requests).unwrap();
     simulate(cached, options, &plan, &mut |_| true).unwrap()
@@ -103,7 +103,7 @@ fn run(cached: &CachedModel, options: &Options) -> Response {
 fn modes_and_critical_speeds_contain_connections() {
     let interrupt = Interrupt::default();
     let [matrices, table] = forms(&train());
-    let eigenvalues = |cached: &CachedModel| -> Vec<f64> {
+    let eigenvalues = |cached: &System| -> Vec<f64> {
         modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX, ModeSelection::All)
             .unwrap()
             .iter()
@@ -111,7 +111,7 @@ fn modes_and_critical_speeds_contain_connections() {
             .take(20)
             .collect()
     };
-    let damping = |cached: &CachedModel| -> Vec<f64> {
+    let damping = |cached: &System| -> Vec<f64> {
         modes(&cached.at_speed(100.0).unwrap(), 100.0, usize::MAX, ModeSelection::All)
             .unwrap()
             .iter()
@@ -119,11 +119,11 @@ fn modes_and_critical_speeds_contain_connections() {
             .take(20)
             .collect()
     };
-    let critical = |cached: &CachedModel| -> Vec<f64> {
+    let critical = |cached: &System| -> Vec<f64> {
         let found = critical_speeds(cached, 1.0, usize::MAX, &interrupt).unwrap();
         found.iter().map(|critical| critical.speed).take(8).collect()
     };
-    let meetings = |cached: &CachedModel| -> Vec<f64> {
+    let meetings = |cached: &System| -> Vec<f64> {
         let diagram = campbell(cached, &[10.0, 200.0, 400.0], 6, 1, &Threads::new(2, 6), &interrupt).unwrap();
         diagram.intersections.iter().map(|meeting| meeting.speed).collect()
     };
@@ -221,7 +221,7 @@ fn every_method_gives_the_same_motion() {
     {
         // With backlash, the linear motion excludes the meshes.
         for system in [heavy(), damped.clone(), with_backlash()] {
-            let cached = CachedModel::new(model(&with_bearing(&system, entries)));
+            let cached = System::new(model(&with_bearing(&system, entries)));
             let exact = run(&cached, &tight(speed.clone(), Method::Rk45));
             assert!(imbalance(&exact) < 1e-6, "{entries}");
             // The damping of a film over the mass of a node is 3e7 1/s: the order of ETDRK4 falls (3e-5 at this step, 9e-7 at an
@@ -247,7 +247,7 @@ fn the_tangent_is_the_derivative_of_the_load() {
     let mut noise = Noise::new(11);
     for (entries, count) in [(STIFFENING, 2), (ROLLING, 2), (BALLS, 5), (ROLLERS, 3), (JOURNAL, 2)] {
         let model = model(&with_bearing(&heavy(), entries));
-        let cached = CachedModel::new(model);
+        let cached = System::new(model);
         let at_speed = cached.at_speed(110.0).unwrap();
         // A table stays a connection; a nonlinear bearing needs its coefficients in the matrices.
         let model = if entries == STIFFENING { &cached.model } else { &at_speed.model };
@@ -310,7 +310,7 @@ fn the_loads_of_a_run_are_the_forces_of_rolling_elements() {
     // The combinations that a run has of rollers, of balls and of planar bearings carry all generalised forces.
     let mut noise = Noise::new(12);
     for entries in [ROLLING, BALLS, ROLLERS] {
-        let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
+        let cached = System::new(model(&with_bearing(&heavy(), entries)));
         let model = cached.at_speed(110.0).unwrap().model.clone();
         let reference = equilibrium(&cached, Geometry::Live, 110.0).unwrap();
         let options = InterfaceOptions {
@@ -347,7 +347,7 @@ fn the_loads_of_a_run_are_the_forces_of_rolling_elements() {
 
 #[test]
 fn the_load_of_a_turning_bow_has_a_potential() {
-    let cached = CachedModel::new(model(&SceneDescription { bow_torque: true, ..heavy() }));
+    let cached = System::new(model(&SceneDescription { bow_torque: true, ..heavy() }));
     let model = &cached.model;
     assert!(!model.bows.is_empty());
     let reference = vec![0.0; model.len()];
@@ -408,7 +408,7 @@ fn a_rigid_rotation_does_not_turn_a_bow_that_nothing_holds() {
 #[test]
 fn equilibrium_carries_gravity_by_a_hardening_bearing() {
     for entries in [ROLLING, JOURNAL] {
-        let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
+        let cached = System::new(model(&with_bearing(&heavy(), entries)));
         let q = equilibrium(&cached, Geometry::Frozen, 100.0).unwrap();
         let at_speed = cached.at_speed(100.0).unwrap();
         let model = &at_speed.model;
@@ -438,7 +438,7 @@ fn a_bearing_on_a_housing_acts_on_shaft_and_housing() {
         let housing = r#"housing = { name = "housing", mass = 20.0, stiffness = 5e7, damping = 1e3 }"#;
         let parsed: toml::Table = toml::from_str(housing).unwrap();
         system.housings = vec![parsed["housing"].clone().try_into().unwrap()];
-        let cached = CachedModel::new(model(&system));
+        let cached = System::new(model(&system));
         let [exact, found] =
             [Method::Rk45, Method::Exponential].map(|method| run(&cached, &tight(speed.clone(), method)));
         let gap = difference(&exact.record.displacement, &found.record.displacement);
@@ -450,7 +450,7 @@ fn a_bearing_on_a_housing_acts_on_shaft_and_housing() {
 #[test]
 fn the_full_tangent_saves_iterations() {
     for (entries, speed) in [(STIFFENING, run_up()), (ROLLING, Speed::Constant(100.0))] {
-        let cached = CachedModel::new(model(&with_bearing(&heavy(), entries)));
+        let cached = System::new(model(&with_bearing(&heavy(), entries)));
         let run = run(&cached, &options(speed, Method::Exponential, None));
         let Statistics { steps, rejected, evaluations, .. } = run.statistics;
         // A step evaluates three stages in each iteration, and its end.

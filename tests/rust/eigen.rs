@@ -1,8 +1,9 @@
 //! Eigenvalues: known spectra, the first-order form in modal coordinates, and rigid-body modes.
 
 use crate::common::{Noise, cached, free_train, largest, train};
+use gearbow::analysis::simulate::System;
 use gearbow::linalg::{DecompositionError, eigen, symmetric_pencil};
-use gearbow::modal::{self, CachedModel, ModeSelection, Whirl};
+use gearbow::modal::{self, ModeSelection, Whirl};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Coefficient;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -153,7 +154,7 @@ fn null_vectors_of_a_pencil_are_exact() {
 }
 
 /// A shaft of 30 elements with a heavy disk, on two bearings with `damping` in N s/m.
-fn rotor(damping: f64) -> CachedModel {
+fn rotor(damping: f64) -> System {
     let text = format!(
         r#"
         shafts = [{{ name = "rotor", length = 1.5, outer_diameter = 0.05, elements = 30 }}]

@@ -6,9 +6,8 @@ use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
 use gearbow::analysis::equilibrium;
-use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, simulate};
+use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, System, simulate};
 use gearbow::mesh::Geometry;
-use gearbow::modal::CachedModel;
 use gearbow::model::Model;
 use gearbow::scene::{Scene, SceneDescription, SceneError};
 use proptest::prelude::*;
@@ -298,7 +297,7 @@ fn scene(text: &str) -> Result<Model, SceneError> {
 /// Simulates a few steps; the run may return an error, but must not panic.
 fn run(model: Model) {
     let n = model.len();
-    let cached = CachedModel::new(model);
+    let cached = System::new(model);
     let _ = equilibrium(&cached, Geometry::Live, 100.0).map(|found| assert_eq!(found.len(), n));
     for method in [Method::Exponential, Method::Rk45] {
         let options = Options {

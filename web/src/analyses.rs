@@ -1,10 +1,10 @@
 //! What the page asks of a train.
 
-use gearbow::analysis::simulate::{self, Initial, Method, Options, RecordPlan, Request, sample_step};
+use gearbow::analysis::simulate::{self, Initial, Method, Options, RecordPlan, Request, System, sample_step};
 use gearbow::analysis::{self, ExcitationPart, ExcitationSource, Interrupt, Threads};
 use gearbow::connection::MESH_CHANNELS;
 use gearbow::mesh::{Geometry, Involute};
-use gearbow::modal::{CachedModel, ModeSelection};
+use gearbow::modal::ModeSelection;
 use gearbow::model::Model;
 use gearbow::motion::Speed;
 use gearbow::scene::{Node, Scene, SceneDescription};
@@ -38,7 +38,7 @@ pub struct Train {
     /// The scene as it was read, with numbers in place of texts with units.
     plain: toml::Value,
     description: SceneDescription,
-    cached: CachedModel,
+    cached: System,
 }
 
 /// Largest bow of a shaft up to which the teeth of a mesh keep contact.
@@ -194,9 +194,9 @@ impl Train {
     /// Reads a scene without texts in place of numbers.
     fn from_plain(plain: toml::Value) -> Result<Self, String> {
         let description = SceneDescription::deserialize(plain.clone()).map_err(message)?;
-        let resolved = analysis::resolve(&description, &Interrupt::default()).map_err(message)?;
+        let resolved = analysis::resolve(&description, None, &Interrupt::default()).map_err(message)?;
         let model = Model::new(Scene::new(&resolved.description).map_err(message)?).map_err(message)?;
-        Ok(Self { plain, description, cached: CachedModel::new(model) })
+        Ok(Self { plain, description, cached: System::new(model) })
     }
 
     /// Sizes of all parts.

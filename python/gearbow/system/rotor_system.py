@@ -574,19 +574,19 @@ class RotorSystem(CheckedKeywords, Shown):
         >>> system.replace(gravity=None).gravity is None
         True
         """
-        system = type(self)(**self._changed(changes))
-        system._model.share(self._model)
-        system._speed_unit = self._speed_unit
-        return system
+        return self._other(changes, is_variation=False)
 
     def _variation(self, **changes: Any) -> "Self":
-        """Make a system as `replace`, with elements and modes of this one if only loads change."""
+        """Make a system as `replace`, with the elements of this one if only loads change."""
+        return self._other(changes, is_variation=True)
+
+    def _other(self, changes: Mapping[str, Any], is_variation: bool) -> "Self":
         given = self._changed(changes)
         system = type(self).__new__(type(self))
         lists = [given[key] for key in PARTS]
         description = system._read(lists, {key: given[key] for key in _OPTIONS})
         with showing(description):
-            system._model = self._model.variation(description)
+            system._model = self._model.changed(description, is_variation)
         system._speed_unit = self._speed_unit
         _warn(system._model)
         return system

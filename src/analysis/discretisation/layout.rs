@@ -1,17 +1,14 @@
 //! Elements of a shaft of which the scene gives neither number nor degree, and their dispersion error.
 
-use super::LENGTH_RATIO;
+use super::{EXAMINED_LENGTHS, LENGTH_RATIO, RESOLVED_FREQUENCY_ERROR};
 use crate::element::Section;
+use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{Shaft, description};
 
 /// Largest number of elements of a segment.
 const MAX_ELEMENTS: f64 = 100.0;
 /// Largest κ = wavenumber × element length that an element of degree p represents, divided by p.
 const RESOLVED_WAVENUMBER: f64 = 2.5;
-/// Relative error of the frequencies at a tone that the elements of the examined model may have.
-const TONE_ERROR: f64 = 1e-2;
-/// Number of element lengths that are tried for a tone; each is [`LENGTH_RATIO`] times the one before.
-const TONE_LENGTHS: i32 = 10;
 /// Smallest distance between the end of an equal part and a station, in lengths of a part. The highest natural frequency is
 /// inversely proportional to the length of the shortest element, and the round-off error of the low modes grows with its
 /// square. Lengths and positions are round numbers, so that distances of exactly 0.1 are common: round-off must not decide.
@@ -81,7 +78,7 @@ impl Layout {
         let mut start = 0.0;
         let mut segments = Vec::with_capacity(lengths.len());
         for length in lengths {
-            let tolerance = 1e-9 * shaft.length();
+            let tolerance = EQUALITY_TOLERANCE * shaft.length();
             let inside = |x: &f64| *x > start + tolerance && *x < start + length - tolerance;
             let stations: Vec<f64> = shaft.nodes.iter().copied().filter(inside).map(|x| x - start).collect();
             // The shortest waves of the segment: cones and sleeves change its section.
@@ -109,12 +106,18 @@ impl Layout {
     }
 
     /// Number of elements of each segment, no element longer than `longest`, m, whose frequencies up to that of a tone, rad/s,
-    /// are about right.
+    /// are resolved.
     pub fn counts_for(&self, tone: f64, longest: f64, degree: usize) -> Vec<usize> {
-        let resolves = |counts: &[usize]| self.highest_frequency(&self.lengths(counts), degree, TONE_ERROR) >= tone;
-        let lengths = (0..TONE_LENGTHS).map(|i| longest * LENGTH_RATIO.powi(i));
-        let mut counts = lengths.map(|longest| self.counts(longest)).skip_while(|counts| !resolves(counts));
-        counts.next().unwrap_or_else(|| self.counts(longest * LENGTH_RATIO.powi(TONE_LENGTHS)))
+        let resolves =
+            |counts: &[usize]| self.highest_frequency(&self.lengths(counts), degree, RESOLVED_FREQUENCY_ERROR) >= tone;
+        let mut counts = self.counts(longest);
+        for i in 1..EXAMINED_LENGTHS {
+            if resolves(&counts) {
+                break;
+            }
+            counts = self.counts(longest * LENGTH_RATIO.powi(i));
+        }
+        counts
     }
 
     /// The largest number of elements below `count` that a segment of this index may have; `None` for the first number.
@@ -170,7 +173,7 @@ impl Segment {
     /// Lengths of the elements, m: equal parts, which the stations divide.
     fn lengths(&self, count: usize) -> Vec<f64> {
         let mut ends: Vec<f64> = (0..=count).map(|i| self.length * i as f64 / count as f64).collect();
-        let tolerance = 1e-9 * self.length;
+        let tolerance = EQUALITY_TOLERANCE * self.length;
         for station in &self.stations {
             if ends.iter().all(|end| (end - station).abs() > tolerance) {
                 ends.push(*station);
@@ -183,7 +186,8 @@ impl Segment {
     /// Smallest number of parts for which no element is longer than `longest`, m, and no part ends close to a station.
     fn count(&self, longest: f64) -> usize {
         let most = (self.length / longest).ceil().clamp(1.0, MAX_ELEMENTS) as usize;
-        let fits = |count: &usize| self.lengths(*count).iter().all(|length| *length <= longest * (1.0 + 1e-9));
+        let fits =
+            |count: &usize| self.lengths(*count).iter().all(|length| *length <= longest * (1.0 + EQUALITY_TOLERANCE));
         let clear = |count: &usize| self.keeps_clear(*count);
         (1..most).find(|count| fits(count) && clear(count)).or_else(|| (most..=2 * most).find(clear)).unwrap_or(most)
     }
@@ -197,7 +201,7 @@ impl Segment {
             // The ends of the segment are places that the scene gives.
             nearest == 0.0
                 || nearest == count as f64
-                || distance * part <= 1e-9 * self.length
+                || distance * part <= EQUALITY_TOLERANCE * self.length
                 || distance >= MIN_STATION_DISTANCE
         })
     }

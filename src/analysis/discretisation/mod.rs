@@ -34,7 +34,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use tooth_harmonics::ToothResponse;
+use tooth_harmonics::{TOOTH_CYCLE_SAMPLES, ToothResponse};
 use variation::Probe;
 use varying_loads::highest_tone;
 
@@ -49,9 +49,6 @@ use crate::scene::{Accuracy, COMPARED_DURATION, MAX_DEGREE, Scene, SceneDescript
 const PROBE_DEGREE: usize = 4;
 /// Longest element of that model, in diameters of the shaft.
 const PROBE_LENGTH: f64 = 10.0;
-/// Both for [`Accuracy::Reference`], where modes of higher frequencies contribute to the permitted error.
-const FINE_PROBE_DEGREE: usize = 7;
-const FINE_PROBE_LENGTH: f64 = 5.0;
 /// Largest number of elements of a shaft of that model that is due to this length.
 const PROBE_ELEMENTS: f64 = 8.0;
 /// Safety factor on the error of the step response. Without it, the measured error of mesh forces is between 1/200 and 0.9
@@ -68,11 +65,9 @@ const LENGTH_RATIO: f64 = 0.8;
 /// segments have equal increases except for round-off.
 const PRICE_TOLERANCE: f64 = 1e-6;
 /// Number of element lengths that are examined.
-const EXAMINED_LENGTHS: usize = 16;
+const EXAMINED_LENGTHS: i32 = 16;
 /// Largest number of models that are examined until one meets the level.
 const MAX_PROBES: usize = 4;
-/// Number of positions in a tooth cycle among which the least and the largest stiffness are sought.
-const CYCLE_POSITIONS: usize = 64;
 /// Largest number of coordinates that is chosen.
 const MAX_COORDINATES: usize = 1200;
 /// Relative error of a natural frequency that counts as resolved.
@@ -103,11 +98,16 @@ pub struct Choice {
     pub highest_frequency: f64,
 }
 
-/// Chooses number and degree of the elements where a description does not give them.
+/// Chooses number and degree of the elements where a description does not give them. The choice does not depend on `base`, whose
+/// modes serve again where the two differ in loads only.
 ///
 /// # Errors
 /// [`AnalysisError`] if the scene is invalid, or `interrupt` requests a stop.
-pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolved, AnalysisError> {
+pub fn resolve(
+    given: &SceneDescription,
+    base: Option<&Resolved>,
+    interrupt: &Interrupt,
+) -> Result<Resolved, AnalysisError> {
     let automatic: Vec<usize> =
         given.shafts.iter().enumerate().filter(|(_, shaft)| shaft.is_automatic()).map(|(index, _)| index).collect();
     if automatic.is_empty() {
@@ -119,18 +119,14 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
     let scene = Scene::new(&plain)?;
     let layouts: Vec<Layout> =
         automatic.iter().map(|index| Layout::new(&given.shafts[*index], &scene.shafts[*index])).collect();
-    let (probe_degree, probe_length) = match level {
-        Accuracy::Reference => (FINE_PROBE_DEGREE, FINE_PROBE_LENGTH),
-        Accuracy::Draft | Accuracy::Engineering => (PROBE_DEGREE, PROBE_LENGTH),
-    };
     let tone = highest_tone(&scene);
     let first = |i: usize| {
         let shaft = &scene.shafts[automatic[i]];
         let diameter = shaft.elements.iter().map(|element| 2.0 * element.outer_radius()).fold(f64::INFINITY, f64::min);
-        let longest = (probe_length * diameter).max(shaft.length() / PROBE_ELEMENTS);
+        let longest = (PROBE_LENGTH * diameter).max(shaft.length() / PROBE_ELEMENTS);
         Elements {
-            degree: given.shafts[automatic[i]].degree.unwrap_or(probe_degree),
-            counts: layouts[i].counts_for(tone, longest, probe_degree),
+            degree: given.shafts[automatic[i]].degree.unwrap_or(PROBE_DEGREE),
+            counts: layouts[i].counts_for(tone, longest, PROBE_DEGREE),
         }
     };
     let mut chosen: Vec<Elements> = (0..automatic.len()).map(first).collect();
@@ -147,6 +143,9 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
         }
         let permitted_error = permitted(level, model.meshes.is_empty());
         let known = at_lowest_speed(model.clone()).map(contact_phases).ok();
+        if let (Some(phases), Some(base)) = (&known, base.and_then(|base| base.probe.as_ref())) {
+            base.share(&probe, phases);
+        }
         let known = known
             .and_then(|phases| excitations(&phases, LARGEST_TO_CHOOSE).ok().map(|excitations| (phases, excitations)));
         let Some((phases, excitations)) = known else {
@@ -182,7 +181,7 @@ pub fn resolve(given: &SceneDescription, interrupt: &Interrupt) -> Result<Resolv
 /// varies.
 fn contact_phases(model: Model) -> Vec<CachedModel> {
     let range = |(index, mesh): (usize, &GearMesh)| {
-        let cycle = mesh.tooth_cycle(model.sigma(index, 0.0), CYCLE_POSITIONS);
+        let cycle = mesh.tooth_cycle(model.sigma(index, 0.0), TOOTH_CYCLE_SAMPLES);
         let stiffnesses = cycle.iter().map(|teeth| teeth.stiffness);
         // Teeth with a contact ratio below 1 separate in every cycle: no mode describes this.
         let stiffnesses = stiffnesses.filter(|stiffness| *stiffness > 0.0);
@@ -363,7 +362,7 @@ impl<'a> Search<'a> {
         for degree in 2..=MAX_DEGREE {
             for i in 0..EXAMINED_LENGTHS {
                 interrupt.check()?;
-                let candidate = self.uniform(degree, longest * LENGTH_RATIO.powi(i as i32));
+                let candidate = self.uniform(degree, longest * LENGTH_RATIO.powi(i));
                 let cheapest = best.as_ref().map_or(MAX_COORDINATES, |best| best.coordinates);
                 if candidate.coordinates >= cheapest && (best.is_some() || most_accurate.is_some()) {
                     break;

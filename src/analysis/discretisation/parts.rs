@@ -33,7 +33,7 @@ pub(super) fn resolve_parts(
         let place = match known.iter().position(|(other, _)| *other == part) {
             Some(place) => place,
             None => {
-                let Ok(resolved) = resolve(&part, interrupt) else {
+                let Ok(resolved) = resolve(&part, None, interrupt) else {
                     // The complete system reports what is wrong.
                     interrupt.check()?;
                     return Ok(None);

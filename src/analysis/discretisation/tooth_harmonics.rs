@@ -21,7 +21,7 @@ use crate::scene::{COMPARED_DURATION, SHARE_OF_MEAN};
 
 /// Largest number of harmonics of a tooth frequency, and number of samples of a tooth cycle.
 const MAX_HARMONICS: usize = 128;
-const TOOTH_CYCLE_SAMPLES: usize = 512;
+pub(super) const TOOTH_CYCLE_SAMPLES: usize = 512;
 
 /// A natural frequency without and with the error of the elements.
 #[derive(Debug)]

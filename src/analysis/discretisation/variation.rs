@@ -27,6 +27,17 @@ pub(super) struct Probe {
     pub chosen: Vec<Elements>,
 }
 
+impl Probe {
+    /// Gives its modes to the models of a description for each stiffness of the meshes, if the two differ in loads only.
+    pub fn share(&self, description: &SceneDescription, phases: &[CachedModel]) {
+        let is_same = |(phase, known): (&CachedModel, &CachedModel)| phase.model.has_coordinates_of(&known.model);
+        let known = phases.iter().zip(&self.phases);
+        if known.clone().all(is_same) && description.without_loads() == self.description.without_loads() {
+            known.for_each(|(phase, known)| phase.share(known));
+        }
+    }
+}
+
 /// The elements of `base` for a description that differs from that of `base` in loads only. `None` if they do not meet the
 /// level with these loads, or no modes were examined for `base`.
 ///
@@ -37,11 +48,12 @@ pub fn resolve_variation(given: &SceneDescription, base: &Resolved) -> Result<Op
         return Ok(None);
     };
     let Probe { automatic, layouts, chosen, .. } = &**probe;
-    let Some(model) = probe.model.with_loads(Scene::new(&with_elements_of(given, &probe.description))?)? else {
+    let of_probe = with_elements_of(given, &probe.description);
+    let Some(model) = probe.model.with_loads(Scene::new(&of_probe)?)? else {
         return Ok(None);
     };
     let phases = contact_phases(at_lowest_speed(model)?);
-    phases.iter().zip(&probe.phases).for_each(|(phase, known)| phase.share(known));
+    probe.share(&of_probe, &phases);
     let Ok(excitations) = excitations(&phases, LARGEST_TO_CHOOSE) else {
         return Ok(None);
     };

@@ -9,7 +9,7 @@ use super::initial::Start;
 use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency};
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::ramp::linear_model;
-use super::run_cache::RunCache;
+use super::run_cache::RunModel;
 use crate::exponential::{
     InterfaceMaps, LevelControl, Loads, PropagatorCache, PropagatorKey, QuadratureRule, Stepper, TimeGrid,
     run as integrate,
@@ -39,7 +39,7 @@ const DEFAULT_STAGES: usize = 3;
 
 /// Runs from `start` to `end` (elapsed time, s). Returns the final state and the reason for an early stop.
 pub(super) fn run(
-    cached: &CachedModel,
+    cached: &RunModel<'_>,
     options: &Options,
     coordinates: ModalSetup<'_>,
     start: &Start,
@@ -64,7 +64,7 @@ pub(super) fn run(
 
 /// The propagators of a run, which the runs of a system share.
 pub(super) fn propagators(
-    cached: &CachedModel,
+    cached: &RunModel<'_>,
     options: &Options,
     linear: &Arc<ModalStateSpace>,
     maps: InterfaceMaps,
@@ -77,8 +77,7 @@ pub(super) fn propagators(
         QuadratureRule::gauss(options.stages.unwrap_or(DEFAULT_STAGES))
     };
     let key = Arc::new(PropagatorKey { linear: Arc::clone(linear), rule, maps, time_grid, spins });
-    let known = cached.run_results::<RunCache>();
-    known.propagators.get_or(Arc::clone(&key), || Arc::new(PropagatorCache::new(key)))
+    cached.known.propagators.get_or(Arc::clone(&key), || Arc::new(PropagatorCache::new(key)))
 }
 
 /// The time grid of a run that ends at `end` (elapsed time, s), if its units can be counted.

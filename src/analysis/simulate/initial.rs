@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
 use super::super::synchronous::{motion, response_to, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum};
-use super::run_cache::{Amplitudes, RunCache, SynchronousKey};
+use super::run_cache::{Amplitudes, RunModel, SynchronousKey};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
 use crate::integrate::{
@@ -48,7 +48,7 @@ impl Start {
 
     /// Initial conditions with which the run could begin at another time, s: the same displacements and velocities if they
     /// do not rotate, and otherwise synchronous motion, if there is one.
-    pub fn moved(&self, cached: &CachedModel, options: &Options, time: f64) -> Self {
+    pub fn moved(&self, cached: &RunModel<'_>, options: &Options, time: f64) -> Self {
         let rotation = ShaftRotation { origin: time, ..self.rotation.clone() };
         let moving = match options.initial {
             Initial::Rest | Initial::Static => None,
@@ -67,7 +67,7 @@ type Beginning = (DVector<f64>, State, ShaftRotation);
 
 /// Prepares the beginning of a run.
 pub(super) fn start(
-    cached: &CachedModel,
+    cached: &RunModel<'_>,
     options: &Options,
     spectrum: &Spectrum,
     watch: &mut dyn FnMut(f64) -> bool,
@@ -190,14 +190,13 @@ fn amplitudes(cached: &CachedModel, key: SynchronousKey) -> Result<DMatrix<Compl
 }
 
 /// The synchronous motion of a key, which the runs of a system share.
-fn synchronous_amplitudes(cached: &CachedModel, key: SynchronousKey) -> Result<Amplitudes, AnalysisError> {
-    let known = cached.run_results::<RunCache>();
-    known.synchronous.get_or_try(key, || amplitudes(cached, key).map(Arc::new))
+fn synchronous_amplitudes(cached: &RunModel<'_>, key: SynchronousKey) -> Result<Amplitudes, AnalysisError> {
+    cached.known.synchronous.get_or_try(key, || amplitudes(cached, key).map(Arc::new))
 }
 
 /// Displacements and velocities of the equilibrium `found` plus the linear synchronous motion at the origin of `rotation`.
 fn synchronous(
-    cached: &CachedModel,
+    cached: &RunModel<'_>,
     options: &Options,
     found: &DVector<f64>,
     rotation: &ShaftRotation,

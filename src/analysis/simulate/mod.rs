@@ -38,6 +38,7 @@ pub use period_map::kept_modes;
 pub(in crate::analysis) use period_map::{PeriodMap, with_part_map, with_period_map};
 pub use record::{AxialRecord, Record};
 pub use record_plan::{Point, RecordPlan, Request};
+pub use run_cache::System;
 
 use super::{AnalysisError, Spectrum};
 use crate::connection::Touch;
@@ -47,13 +48,14 @@ use crate::integrate::{
     Adaptive, Deferred, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl,
     StepLimit, Trajectory, run,
 };
-use crate::modal::{AtSpeed, CachedModel, MAX_CONDITION};
+use crate::modal::{CachedModel, MAX_CONDITION};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use heartbeat::Heartbeat;
 use initial::Start;
 use modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use record::Recorder;
+use run_cache::RunModel;
 
 /// The result of a run.
 #[derive(Clone, Debug)]
@@ -96,17 +98,16 @@ impl<E: Into<AnalysisError>> From<E> for Stopped {
 /// # Errors
 /// [`Stopped`], with the result up to then.
 pub fn simulate(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Response, Stopped> {
     options.check()?;
     for speed in options.speed.magnitudes() {
-        cached.model.check_speed(speed)?;
+        system.model.check_speed(speed)?;
     }
-    let base = cached.base();
-    let cached = &*of_run(cached, options)?;
+    let cached = &of_run(system, options)?;
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = initial::start(cached, options, &spectrum, watch)?;
     let origin = start.rotation.origin;
@@ -127,6 +128,7 @@ pub fn simulate(
         statistics = checkpoint.statistics;
         observer.recorder.resume(&checkpoint.recorder_state, &checkpoint.state.contact_modes);
     }
+    let base = system.base.as_deref();
     let run = Run { cached, base, options, spectrum: &spectrum, floor: start.floor, end };
     let Ended { state, condition, reduction, outcome } =
         run.integrate(motion, &start, plan, &mut observer, &mut statistics)?;
@@ -156,16 +158,17 @@ pub fn simulate(
 }
 
 /// The model of a run. At a constant speed, bearings that depend on it belong to the matrices.
-fn of_run<'a>(cached: &'a CachedModel, options: &Options) -> Result<AtSpeed<'a>, AnalysisError> {
-    cached.model.scene.refuse_loss_factors()?;
-    cached.model.scene.refuse_reduced_pads()?;
+fn of_run<'a>(system: &'a System, options: &Options) -> Result<RunModel<'a>, AnalysisError> {
+    system.model.scene.refuse_loss_factors()?;
+    system.model.scene.refuse_reduced_pads()?;
     if matches!(options.speed, Speed::Changing(_)) {
-        cached.model.scene.refuse_turning_frame("run at a changing speed; give a constant speed")?;
+        system.model.scene.refuse_turning_frame("run at a changing speed; give a constant speed")?;
     }
-    Ok(match options.speed {
-        Speed::Constant(_) => cached.at_speed(options.fastest())?,
-        Speed::Changing(_) => cached.with_operating_points_of(options.fastest())?,
-    })
+    let at_speed = match options.speed {
+        Speed::Constant(_) => system.at_speed(options.fastest())?,
+        Speed::Changing(_) => system.with_operating_points_of(options.fastest())?,
+    };
+    Ok(RunModel { at_speed, known: &system.known })
 }
 
 /// The equation of motion of a run.
@@ -213,9 +216,9 @@ struct Ended {
 
 /// Constants of a run.
 struct Run<'a> {
-    cached: &'a CachedModel,
-    /// The model of which the model of this run is a variation.
-    base: Option<&'a CachedModel>,
+    cached: &'a RunModel<'a>,
+    /// The system of which that of this run is a variation.
+    base: Option<&'a System>,
     options: &'a Options,
     spectrum: &'a Spectrum,
     /// Smallest energy norm that a tolerance is relative to.

@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix};
 use super::super::AnalysisError;
 use super::super::synchronous::response_to;
 use super::initial::Start;
-use super::run_cache::{ResponseKey, RunCache};
+use super::run_cache::{ResponseKey, RunModel};
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, Loads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
@@ -31,7 +31,7 @@ impl<'m> ModalSetup<'m> {
     /// Sets up a run of a motion that records a selection of coordinates. The linear motion is that of `subspace`, or of
     /// the complete model if there is none. The equilibrium and the synchronous motion are those of the complete model.
     pub fn new(
-        cached: &'m CachedModel,
+        cached: &'m RunModel<'_>,
         options: &Options,
         mut motion: EquationOfMotion<'m>,
         start: &Start,
@@ -70,8 +70,7 @@ impl<'m> ModalSetup<'m> {
                 spins: sources.iter().map(|(_, source)| source.spin).collect(),
                 forces: sources.iter().map(|(_, source)| source.columns()).collect(),
             };
-            let known = cached.run_results::<RunCache>();
-            let responses = known.responses.get_or(key.clone(), || key.responses());
+            let responses = cached.known.responses.get_or(key.clone(), || key.responses());
             for ((column, source), response) in sources.into_iter().zip(responses.iter()) {
                 match response {
                     Some(found) => amplitudes.set_column(column, found),

@@ -15,15 +15,16 @@ use super::known_reduction::Reduction;
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::options::is_large;
 use super::record::Recorder;
+use super::run_cache::RunModel;
 use super::{
-    Heartbeat, Options, RecordPlan, Response, Run, RunObserver, explain, foreign_contact_modes, limited_by, motion,
-    of_run, reduced_setup, tolerance,
+    Heartbeat, Options, RecordPlan, Response, Run, RunObserver, System, explain, foreign_contact_modes, limited_by,
+    motion, of_run, reduced_setup, tolerance,
 };
 use crate::analysis::instability::growing_modes;
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::exponential::{LevelControl, STAGE_SOLVE_RTOL, Stepper, TimeGrid, run as integrate};
 use crate::integrate::{Halt, Halted, Observer, State, Statistics, Trajectory};
-use crate::modal::{CachedModel, ModalStateSpace, RealModes};
+use crate::modal::{ModalStateSpace, RealModes};
 
 /// Duration of the run that a reduction to fewer modes is chosen for, in periods: about as many as a solution takes.
 const EXPECTED_PERIODS: f64 = 10.0;
@@ -33,7 +34,7 @@ const SAME_MODE_TOLERANCE: f64 = 1e-2;
 
 /// The period map of a system at a constant speed.
 pub struct PeriodMap<'a> {
-    cached: &'a CachedModel,
+    cached: &'a RunModel<'a>,
     options: &'a Options,
     plan: &'a RecordPlan,
     /// Period, s.
@@ -58,7 +59,7 @@ pub struct PeriodMap<'a> {
 /// # Errors
 /// [`AnalysisError`] of the set-up, or of `solve`.
 pub fn with_period_map<T>(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     watch: &mut dyn FnMut(f64) -> bool,
@@ -66,7 +67,7 @@ pub fn with_period_map<T>(
 ) -> Result<T, AnalysisError> {
     let several = several_periods(options);
     let run = MapRun { options: &several, period: options.duration };
-    with_map_of(cached, options, plan, run, watch, solve)
+    with_map_of(system, options, plan, run, watch, solve)
 }
 
 /// The modes that the runs of a period map keep, for runs at other speeds and of other systems with the same coordinates, and
@@ -75,15 +76,15 @@ pub fn with_period_map<T>(
 /// # Errors
 /// [`AnalysisError`] of the set-up.
 pub fn kept_modes(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<(Arc<RealModes>, Reduction)>, AnalysisError> {
     let several = several_periods(options);
     options.check()?;
-    cached.model.check_speed(options.fastest())?;
-    let cached = &*of_run(cached, options)?;
+    system.model.check_speed(options.fastest())?;
+    let cached = &of_run(system, options)?;
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = start(cached, &several, &spectrum, watch)?;
     let end = start.state.elapsed + several.duration;
@@ -103,14 +104,14 @@ fn several_periods(options: &Options) -> Options {
 /// # Errors
 /// [`AnalysisError`] of the set-up, or of `solve`.
 pub fn with_part_map<T>(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     part: f64,
     watch: &mut dyn FnMut(f64) -> bool,
     solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
 ) -> Result<T, AnalysisError> {
-    with_map_of(cached, options, plan, MapRun { options, period: part }, watch, solve)
+    with_map_of(system, options, plan, MapRun { options, period: part }, watch, solve)
 }
 
 /// The run whose modes the map has.
@@ -130,7 +131,7 @@ struct Target {
 
 /// Calls `solve` with the map over the period of a run.
 fn with_map_of<T>(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     MapRun { options: several, period }: MapRun<'_>,
@@ -139,9 +140,9 @@ fn with_map_of<T>(
 ) -> Result<T, AnalysisError> {
     options.check()?;
     for speed in options.speed.magnitudes() {
-        cached.model.check_speed(speed)?;
+        system.model.check_speed(speed)?;
     }
-    let cached = &*of_run(cached, options)?;
+    let cached = &of_run(system, options)?;
     let spectrum = Spectrum::new(cached, options.fastest())?;
     let start = start(cached, several, &spectrum, watch)?;
     let motion = motion(cached, options, plan, &start)?;

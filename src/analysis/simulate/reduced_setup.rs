@@ -6,7 +6,6 @@ use super::initial::Start;
 use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::ModalSetup;
 use super::reduction::{Reducer, keeps_all};
-use super::run_cache::RunCache;
 use super::{RecordPlan, Run, initial, motion, of_run};
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::integrate::Observer;
@@ -59,7 +58,7 @@ fn reduction_of(
     key: ReductionKey,
     observer: &mut impl Observer,
 ) -> Result<Option<KnownReduction>, AnalysisError> {
-    let known = run.cached.run_results::<RunCache>();
+    let known = run.cached.known;
     if let Some(known) = known.reductions.get(&key) {
         return Ok(known);
     }
@@ -95,9 +94,8 @@ fn reduction_of_base(
     let Some(Ok(base)) = run.base.map(|base| of_run(base, &key.options)) else {
         return Ok(None);
     };
-    let known = base.run_results::<RunCache>();
     // One variation finds the reduction, while the others wait. A panic leaves no partial result.
-    let shared = known.shared_reductions.lock().unwrap_or_else(PoisonError::into_inner);
+    let shared = base.known.shared_reductions.lock().unwrap_or_else(PoisonError::into_inner);
     let mut of_system = || {
         let spectrum = Spectrum::new(&base, key.options.fastest())?;
         find(&Run { cached: &base, base: None, spectrum: &spectrum, ..*run }, key, None, observer)

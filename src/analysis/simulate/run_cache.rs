@@ -1,14 +1,16 @@
-//! Results that the runs of one system share: a repeated run computes them once.
+//! A system with the results that its runs share: a repeated run computes them once.
 //!
-//! A key holds all that its result reads beside the model of the cache, so that no result depends on what ran before.
+//! A key holds all that its result reads beside the system, so that no result depends on what ran before.
 
+use std::ops::Deref;
 use std::sync::{Arc, Mutex};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::known_reduction::{KnownReduction, ReductionKey};
 use crate::exponential::{PropagatorCache, PropagatorKey};
-use crate::modal::{ModalStateSpace, Recent};
+use crate::modal::{AtSpeed, CachedModel, ModalStateSpace, Recent};
+use crate::model::Model;
 
 /// Number of settings whose propagators and reductions are kept: they take most of the memory, see docs/limits.md.
 const KEPT_SETTINGS: usize = 2;
@@ -55,6 +57,53 @@ pub(super) type Amplitudes = Arc<DMatrix<Complex<f64>>>;
 
 /// Complex amplitudes of the modes and their speeds in the synchronous motion of each source; none where there is no response.
 pub(super) type SourceResponses = Arc<Vec<Option<DVector<Complex<f64>>>>>;
+
+/// A model with its modes, state-space models and the results that its runs share.
+#[derive(Debug)]
+pub struct System {
+    cached: CachedModel,
+    /// Results of the last runs.
+    pub(super) known: RunCache,
+    /// The system of which this one is a variation.
+    pub(super) base: Option<Arc<System>>,
+}
+
+impl System {
+    /// Wraps a model; nothing is computed yet.
+    pub fn new(model: Model) -> Self {
+        Self { cached: CachedModel::new(model), known: RunCache::default(), base: None }
+    }
+
+    /// Wraps a model that differs from `base` in loads only: it shares the modes and state-space models of `base`, and its
+    /// runs use the reduction of `base` where this keeps their accuracy.
+    pub fn variation(model: Model, base: &Arc<Self>) -> Self {
+        let variation = Self { base: Some(Arc::clone(base)), ..Self::new(model) };
+        variation.share(base);
+        variation
+    }
+}
+
+impl Deref for System {
+    type Target = CachedModel;
+
+    fn deref(&self) -> &CachedModel {
+        &self.cached
+    }
+}
+
+/// The model of a run, with the results that the runs of its system share.
+pub(super) struct RunModel<'a> {
+    pub at_speed: AtSpeed<'a>,
+    pub known: &'a RunCache,
+}
+
+impl Deref for RunModel<'_> {
+    type Target = CachedModel;
+
+    fn deref(&self) -> &CachedModel {
+        &self.at_speed
+    }
+}
 
 /// Results of the last runs.
 #[derive(Debug, Default)]

@@ -7,9 +7,6 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::numerics::ROUND_OFF;
 
-/// Largest number of secants.
-const MAX_SECANTS: usize = 40;
-
 /// The secants of an iteration.
 #[derive(Debug, Default)]
 pub struct Anderson {
@@ -26,9 +23,6 @@ impl Anderson {
         let (z, g) = (DVector::from_column_slice(z), DVector::from_column_slice(g));
         if let Some((z_before, g_before)) = self.last.take() {
             let change = &g - g_before;
-            if self.secants.len() == MAX_SECANTS {
-                self.secants.remove(0);
-            }
             if change.norm() >= noise {
                 self.secants.push((&z - z_before, change));
             }

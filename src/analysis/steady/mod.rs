@@ -18,8 +18,7 @@ use nalgebra::Complex;
 
 use super::AnalysisError;
 pub use super::simulate::kept_modes;
-use super::simulate::{Initial, Options, RecordPlan, Response, with_part_map, with_period_map};
-use crate::modal::CachedModel;
+use super::simulate::{Initial, Options, RecordPlan, Response, System, with_part_map, with_period_map};
 pub use period::{common_period, has_constant_coefficients, slowest_period};
 use preconditioner::Preconditioner;
 use run_in::PARTS;
@@ -52,14 +51,14 @@ pub struct SteadyState {
 /// # Errors
 /// [`AnalysisError`] if there is none, or if the iteration does not converge.
 pub fn steady_state(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
-    let begin = begin_of_long_period(cached, options, plan, watch)?;
-    with_period_map(cached, options, plan, watch, |map| {
+    let begin = begin_of_long_period(system, options, plan, watch)?;
+    with_period_map(system, options, plan, watch, |map| {
         let begin = begin.map(|(state, runs)| {
             map.runs += runs;
             map.modal(&state)
@@ -74,12 +73,12 @@ pub fn steady_state(
 /// # Errors
 /// [`AnalysisError::Interrupted`].
 fn begin_of_long_period(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<(Vec<f64>, usize)>, AnalysisError> {
-    let slowest = match (slowest_period(&cached.model, options.fastest()), &options.initial) {
+    let slowest = match (slowest_period(&system.model, options.fastest()), &options.initial) {
         // Another motion may be near to the wanted one.
         (None, _) | (_, Initial::Continue(_)) => return Ok(None),
         (Some(slowest), _) => slowest,
@@ -88,7 +87,7 @@ fn begin_of_long_period(
         return Ok(None);
     }
     let (part, longest) = (slowest / PARTS, (PARTS * options.duration / slowest) as u64);
-    let begin = with_part_map(cached, options, plan, part, watch, |map| {
+    let begin = with_part_map(system, options, plan, part, watch, |map| {
         let begin = run_in::settled(map, map.tolerance(), longest)?;
         Ok((map.physical(begin.state), (map.runs as f64 * part / options.duration).ceil() as usize))
     });
@@ -106,7 +105,7 @@ fn begin_of_long_period(
 /// # Errors
 /// [`AnalysisError`] if the motion does not settle.
 pub fn settled_state(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     slowest: f64,
@@ -114,7 +113,7 @@ pub fn settled_state(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<SteadyState, AnalysisError> {
     let count = (PARTS * options.duration / slowest).ceil().max(1.0);
-    with_part_map(cached, options, plan, options.duration / count, watch, |map| {
+    with_part_map(system, options, plan, options.duration / count, watch, |map| {
         run_in::solve(map, count as u64, samples)
     })
 }
@@ -135,13 +134,13 @@ pub struct Corrected {
 /// # Errors
 /// [`AnalysisError`] if a run ends early.
 pub fn corrected_states(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     states: &[Vec<f64>],
     levels: Option<&[u8]>,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Corrected, AnalysisError> {
-    with_period_map(cached, options, &RecordPlan::default(), watch, |map| {
+    with_period_map(system, options, &RecordPlan::default(), watch, |map| {
         let preconditioner = Preconditioner::new(map.linear(), map.period());
         match (levels, states.first()) {
             (Some(levels), _) => map.plan(levels),
@@ -168,11 +167,11 @@ pub fn corrected_states(
 /// # Errors
 /// [`AnalysisError`] of the set-up.
 pub fn initial_state(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<f64>, AnalysisError> {
-    with_period_map(cached, options, &RecordPlan::default(), watch, |map| Ok(map.physical(map.initial())))
+    with_period_map(system, options, &RecordPlan::default(), watch, |map| Ok(map.physical(map.initial())))
 }
 
 /// Records `samples` instants of the period that begins in a state, displacements then velocities.
@@ -180,14 +179,14 @@ pub fn initial_state(
 /// # Errors
 /// [`AnalysisError`] if the run ends early.
 pub fn recorded_period(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     state: &[f64],
     samples: usize,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Response, AnalysisError> {
-    with_period_map(cached, options, plan, watch, |map| {
+    with_period_map(system, options, plan, watch, |map| {
         let z = map.modal(state);
         Ok(map.record(1, &z, samples)?.0)
     })
@@ -198,14 +197,14 @@ pub fn recorded_period(
 /// # Errors
 /// [`AnalysisError`] of the runs.
 pub fn multipliers(
-    cached: &CachedModel,
+    system: &System,
     options: &Options,
     plan: &RecordPlan,
     smallest: f64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    with_period_map(cached, options, plan, watch, |map| {
-        let is_constant = has_constant_coefficients(&cached.model, options.geometry);
+    with_period_map(system, options, plan, watch, |map| {
+        let is_constant = has_constant_coefficients(&system.model, options.geometry);
         multipliers::multipliers(map, smallest, is_constant)
     })
 }

@@ -6,6 +6,7 @@ use nalgebra::Complex;
 
 use super::norm;
 use super::preconditioner::Preconditioner;
+use super::solver::DERIVATIVE_DIFFERENCE;
 use crate::analysis::AnalysisError;
 use crate::analysis::simulate::PeriodMap;
 use crate::exponential::STAGE_SOLVE_RTOL;
@@ -13,9 +14,6 @@ use crate::linalg::{DecompositionError, Krylov, Operator};
 use crate::modal::ModePair;
 use crate::numerics::EQUALITY_TOLERANCE;
 
-/// Difference of two states from which a derivative is taken, relative to the motion. A one-sided difference takes one period;
-/// its error is about this, and [`STAGE_SOLVE_RTOL`] divided by it.
-const DERIVATIVE_DIFFERENCE: f64 = 3e-7;
 /// Sizes of the disturbance that the steps resolve, relative to the motion: the first one that can be integrated.
 const DISTURBANCE_SIZES: [f64; 3] = [0.1, 0.01, 0.001];
 /// Energy norm that differences are relative to where there is no motion, √J: that of a mesh of 2e8 N/m deflected by 1e-7 m.

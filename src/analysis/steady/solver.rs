@@ -38,9 +38,9 @@ const MAX_NEWTON_ITERATIONS: usize = 15;
 const NEWTON_RTOL: f64 = 1e-3;
 /// Smallest fraction of a step of Newton's method.
 const SHORTEST_STEP: f64 = 1.0 / 32.0;
-/// Difference of the states from which a derivative is taken, relative to the motion: the stage equations are solved to
-/// 1e-13, so that a product has six digits.
-const DERIVATIVE_DIFFERENCE: f64 = 1e-7;
+/// Difference of two states from which a derivative is taken, relative to the motion. A one-sided difference takes one period;
+/// its error is about this, and the 1e-13 of the stage equations divided by it.
+pub(super) const DERIVATIVE_DIFFERENCE: f64 = 3e-7;
 /// Change of the rigid-body velocity in a period, in multiples of the tolerance, that a mean torque causes.
 const MIN_DRIFT: f64 = 10.0;
 
@@ -153,7 +153,7 @@ impl<'s, 'a> Solver<'s, 'a> {
         for count in 0..MAX_ITERATIONS {
             let (is_fine, stalls, before) = (rtol <= self.tolerance, stalls(&errors), rtol);
             if count > 0 {
-                rtol = next_rtol(&errors, rtol, self.tolerance, self.tolerance);
+                rtol = next_rtol(&errors, rtol, self.tolerance);
             }
             // A period that is expected to be the last one is recorded.
             let is_last = is_fine && (predicted(&errors) <= RECORDED_ERROR || stalls);
@@ -264,10 +264,10 @@ fn drift(preconditioner: &Preconditioner, defect: &[f64], tolerance: f64) -> Res
     Err(SceneError::new("torques", message).into())
 }
 
-/// Tolerance of the steps of the next iteration, between `finest` and that of the last one.
-fn next_rtol(errors: &[f64], rtol: f64, tolerance: f64, finest: f64) -> f64 {
+/// Tolerance of the steps of the next iteration, between that of the solution and that of the last one.
+fn next_rtol(errors: &[f64], rtol: f64, tolerance: f64) -> f64 {
     let expected = predicted(errors).max(STATE_ERROR_FACTOR * rtol / tolerance);
-    (TOLERANCE_FRACTION * expected * tolerance).clamp(finest, rtol)
+    (TOLERANCE_FRACTION * expected * tolerance).clamp(tolerance, rtol)
 }
 
 /// Error of the next iterate in multiples of the tolerance, if it decreases as in the last iteration.

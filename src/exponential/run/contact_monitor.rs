@@ -2,6 +2,7 @@
 
 use crate::exponential::propagator::{PointValues, QuadratureRule};
 use crate::exponential::step::Stepper;
+use crate::numerics::ROOT_OF_ROUND_OFF;
 
 /// Number of intervals in which the margins are followed. A step is at most a third of a period on the mesh stiffness.
 const MARGIN_INTERVALS: usize = 8;
@@ -10,8 +11,6 @@ const NEAR_FRACTION: f64 = 0.1;
 /// A minimum is refined on points that are closer together than the intervals by this factor.
 const MINIMUM_REFINEMENT: f64 = 16.0;
 
-/// Flanks touch at the beginning of the step, as after a contact change, if the margin there is below this fraction of its range, the level of round-off.
-const TOUCHING_FRACTION: f64 = 1e-8;
 /// A minimum so soon after touching flanks, as a fraction of the step, is round-off of their margin: its depth is at most
 /// the square of this fraction of the range.
 const TOUCHING_TIME: f64 = 1e-4;
@@ -77,7 +76,8 @@ impl ContactMonitor {
             let middle = at + vertex([before, here, after]) / MARGIN_INTERVALS as f64;
             let around = [middle - spacing, middle, middle + spacing].map(|at| value(&rule.through(at)));
             let minimum = middle + spacing * vertex(around).clamp(-1.0, 1.0);
-            let is_round_off = minimum.abs() <= TOUCHING_TIME && margins[0].abs() <= TOUCHING_FRACTION * range;
+            // Flanks touch at the beginning of the step, as after a contact change, if the margin there is round-off.
+            let is_round_off = minimum.abs() <= TOUCHING_TIME && margins[0].abs() <= ROOT_OF_ROUND_OFF * range;
             if around[1] <= near && (0.0..=1.0).contains(&minimum) && !is_round_off {
                 self.candidates.push(CandidateEvent { at: minimum, is_minimum: true });
             }

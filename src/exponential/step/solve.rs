@@ -17,12 +17,10 @@ use crate::mesh::Contact;
 const CONTRACTION_SAFETY: f64 = 2.0;
 /// Smallest contraction that is assumed: the contacts are those before the iteration.
 const MIN_CONTRACTION: f64 = 1e-3;
-/// Iterations before Newton's method takes over.
+/// Iterations before Newton's method takes over, and those of Newton's method before the step is given up.
 const MAX_ITERATIONS: usize = 16;
 /// Largest contraction for which the iteration continues.
 const MAX_CONTRACTION: f64 = 0.4;
-/// Newton iterations before the step is given up.
-const MAX_NEWTON_ITERATIONS: usize = 12;
 /// A change below this fraction of the load is round-off.
 const LOAD_ROUND_OFF: f64 = 1e-14;
 
@@ -244,7 +242,7 @@ impl LoadSolver {
         statistics: &mut Statistics,
     ) -> Result<bool, Halt> {
         let step = context.step(span.level);
-        for _ in 0..MAX_NEWTON_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             stages.respond_all(context, span.level);
             stages.evaluate_all(context, span, None, statistics)?;
             self.differentiate(context, stages, span, statistics)?;

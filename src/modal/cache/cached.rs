@@ -1,6 +1,5 @@
 //! A model together with its modes and state-space models, computed on first use and kept.
 
-use std::any::Any;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
@@ -151,10 +150,6 @@ pub struct CachedModel {
     nominal: OnceLock<Arc<Nominal>>,
     /// Displacements of the last static equilibria.
     equilibria: Recent<EquilibriumKey, DVector<f64>>,
-    /// Results of runs; their type belongs to a later folder.
-    run_results: OnceLock<Arc<dyn Any + Send + Sync>>,
-    /// The model of which this one is a variation.
-    base: Option<Arc<CachedModel>>,
 }
 
 /// A model whose undamped modes are close to those at any speed.
@@ -200,22 +195,7 @@ impl CachedModel {
             at_frequencies: Recent::default(),
             nominal: OnceLock::new(),
             equilibria: Recent::default(),
-            run_results: OnceLock::new(),
-            base: None,
         }
-    }
-
-    /// Wraps a model that differs from `base` in loads only: it shares the modes and state-space models of `base`, and its
-    /// runs use the reduction of `base` where this keeps their accuracy.
-    pub fn variation(model: Model, base: &Arc<Self>) -> Self {
-        let variation = Self { base: Some(Arc::clone(base)), ..Self::new(model) };
-        variation.share(base);
-        variation
-    }
-
-    /// The model of which this one is a variation.
-    pub fn base(&self) -> Option<&Self> {
-        self.base.as_deref()
     }
 
     /// Shares the modes and state-space models of `other`, which has the same linear part. Has no effect after the first
@@ -351,12 +331,6 @@ impl CachedModel {
     pub fn equilibrium(&self, geometry: Geometry, speeds: EquilibriumSpeeds) -> Result<DVector<f64>, EquilibriumError> {
         let key = EquilibriumKey { geometry, speeds };
         self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds))
-    }
-
-    /// The results that runs of this model share, in a type of a later folder.
-    pub fn run_results<T: Any + Default + Send + Sync>(&self) -> Arc<T> {
-        let known = self.run_results.get_or_init(|| Arc::new(T::default()));
-        Arc::clone(known).downcast().unwrap_or_default()
     }
 
     /// Undamped modes, with the loaded tooth flanks of `speed` (reference shaft, rad/s).

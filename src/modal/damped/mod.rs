@@ -14,4 +14,5 @@ pub use critical_problem::CriticalProblem;
 pub use modes::{Mode, modes, modes_of, structured_modes, whirl};
 pub use null_vectors::NullVectors;
 pub use residual::{Residual, Residuals, residual};
+pub use structural::MIN_CORRELATION;
 pub use whirl::Whirl;

@@ -22,8 +22,8 @@ use crate::numerics::EQUALITY_TOLERANCE;
 const MAX_OUTSIDE: f64 = 1e-5;
 /// Relative step of λ in the central difference of S, which is quadratic in λ: only round-off depends on the step.
 const DIFFERENCE_STEP: f64 = 3e-5;
-/// Smallest |φᴴMφ'|² of two shapes of one mode.
-const MIN_CORRELATION: f64 = 0.9;
+/// Smallest correlation |φᴴMφ'|² of two shapes of one mode.
+pub const MIN_CORRELATION: f64 = 0.9;
 
 /// The modes with structural damping of those without it, in ascending order.
 ///

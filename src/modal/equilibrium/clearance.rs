@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use crate::connection::Row;
+use crate::film::nearness_after_step;
 use crate::linalg::CoupledBands;
 use crate::model::Model;
 use crate::scene::{EntryPath, SceneError};
@@ -30,8 +31,6 @@ impl TangentPart {
 /// Stiffness that is added to rolling elements, relative to the one under the weight of their shaft, where the residual is
 /// round-off: it constrains a shaft that moves freely in the clearance.
 const FREE: f64 = 1e-10;
-/// A Newton step may use this part of the clearance that is left between a journal and its bearing.
-const CLEARANCE_SHARE: f64 = 0.8;
 
 /// Stiffness that is added to rolling elements, which have none before they carry: the share of the residual in the load times
 /// the stiffness under the weight. It vanishes with the residual, so that the iteration converges as fast as Newton's method
@@ -86,7 +85,7 @@ pub(in crate::modal) fn within_clearances(model: &Model, q: &DVector<f64>, step:
         let Some(ratio) = journal.nearness(q.as_slice()) else {
             continue;
         };
-        let limit = 1.0 - (1.0 - CLEARANCE_SHARE) * (1.0 - ratio).max(0.0);
+        let limit = nearness_after_step(ratio);
         let exceeds = |q: DVector<f64>| journal.nearness(q.as_slice()).is_some_and(|ratio| ratio > limit);
         while fraction > f64::EPSILON && exceeds(q + step * fraction) {
             fraction /= 2.0;

@@ -15,9 +15,6 @@ use crate::numerics::SUM_ROUND_OFF;
 /// Load of a shaft, relative to the largest load of all, below which it is the round-off of other loads.
 const LEAST_LOAD: f64 = 1e-6;
 
-/// Smallest part of the change of a bearing force that is tried.
-const LEAST_PART: f64 = 1e-3;
-
 /// The flanks in contact of every mesh.
 #[derive(Clone, Copy)]
 pub(super) enum Contacts<'a> {
@@ -46,8 +43,7 @@ pub(super) fn elastic_tangent(bearing: &NonlinearBearing) -> BearingTangent {
     }
 }
 
-/// The tangent where a bearing carries the force that the tangent `from` has at scalars u, or as large a part of the change as it
-/// can carry; none below [`LEAST_PART`].
+/// The tangent where a bearing carries the force that the tangent `from` has at scalars u; none if it cannot carry it.
 pub(super) fn tangent_towards(
     from: &BearingTangent,
     u: &DVector<f64>,
@@ -57,15 +53,7 @@ pub(super) fn tangent_towards(
     if bearing.is_squeeze() {
         return Some(BearingTangent { displacement: u.clone(), ..elastic_tangent(bearing) });
     }
-    let (aim, mut part) = (force_at(from, u), 1.0);
-    while part >= LEAST_PART {
-        let force = &from.force + part * (&aim - &from.force);
-        if let Ok(found) = bearing.carrying(&force, speed) {
-            return Some(found);
-        }
-        part /= 2.0;
-    }
-    None
+    bearing.carrying(&force_at(from, u), speed).ok()
 }
 
 /// Force of a tangent at scalars u, N.
@@ -337,9 +325,9 @@ impl Forces {
                     }
                     continue;
                 }
-                // Loads over the speed have their value at this speed; other loads and bows no mean part.
-                Connection::Load(_) | Connection::Bow(_) => continue,
-                Connection::Bearing(bearing) => (&bearing.rows[..], bearing.static_tangent(speeds.flanks, q)),
+                // Loads over the speed have their value at this speed; other loads and bows no mean part. A model at a speed has
+                // the coefficients of its tables in the matrices.
+                Connection::Load(_) | Connection::Bow(_) | Connection::Bearing(_) => continue,
                 Connection::Nonlinear(bearing) => {
                     let known = match laws {
                         Laws::Exact => bearing.static_tangent(speeds.film, q),

@@ -98,9 +98,9 @@ pub struct SceneDescription {
 
 impl SceneDescription {
     /// The description without the entries that only determine loads: torques, forces, gravity, bows and unbalances. A torque
-    /// over the speed stays, because its slope is a damping.
+    /// over the speed stays, because its slope is a damping. The accuracy is absent too: of a model, it determines the elements alone.
     pub fn without_loads(&self) -> Self {
-        let mut plain = self.clone();
+        let mut plain = Self { accuracy: None, ..self.clone() };
         plain.torques.retain(|torque| matches!(torque.value, Some(TorqueValue::Table(_))));
         plain.forces.clear();
         plain.notches.clear();

@@ -67,6 +67,17 @@ def test_results_do_not_depend_on_the_system_that_was_replaced(name: str):
     assert_independent(SYSTEM, CHANGES[name])
 
 
+@pytest.mark.parametrize("name", CHANGES)
+def test_the_chosen_elements_do_not_depend_on_the_system_that_was_replaced(name: str):
+    automatic = [replace(shaft, elements=None) for shaft in SHAFTS]
+    change = dict(CHANGES[name])
+    if "shafts" in change:
+        change["shafts"] = [replace(shaft, elements=None) for shaft in change["shafts"]]
+    replaced = SYSTEM.replace(shafts=automatic).replace(**change)
+    fresh = gb.RotorSystem.from_dict(replaced.description)
+    assert replaced.discretisation == fresh.discretisation
+
+
 def test_systems_that_differ_in_loads_share_modes_however_the_accuracy_is_given():
     shares = {
         name: SYSTEM.replace(**change)._model.share(SYSTEM._model)

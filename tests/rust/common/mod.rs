@@ -3,6 +3,7 @@
 
 pub mod particles;
 
+use gearbow::analysis::simulate::System;
 use gearbow::mesh::{GearMesh, Geometry, MeshCoordinates};
 use gearbow::modal::CachedModel;
 use gearbow::model::Model;
@@ -101,8 +102,8 @@ pub fn model(system: &SceneDescription) -> Model {
 }
 
 /// The cached model of a description.
-pub fn cached(system: &SceneDescription) -> CachedModel {
-    CachedModel::new(model(system))
+pub fn cached(system: &SceneDescription) -> System {
+    System::new(model(system))
 }
 
 /// A train with all scene features: cross-coupled bearings, gravity, both dampings, a tilted bow.
