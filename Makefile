@@ -4,6 +4,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+# Versions of the packages for work on gearbow.
+LOCK := tools/constraints.txt
 
 # Where the wheel for this machine is built that is tested; `make wheel` builds the one for users into dist/.
 WHEELS := $(VENV)/wheels
@@ -24,7 +26,7 @@ CARGO_TEST := cargo test --release --locked --config profile.release.package.gea
 # Two or more tests run at the same time; a free process takes tests from a busy one.
 PYTEST_PARALLEL := -n logical --dist worksteal
 
-.PHONY: help demo test quick check docs web random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check deny licences readme figures study measure accuracy structure clean test-rust test-python lint lint-rust lint-python lint-files types documents
+.PHONY: help demo test quick check docs web random fuzz mutants bench bench-check bench-accept compare fleet fmt wheel release-check deny licences readme figures study measure accuracy lock structure clean test-rust test-python lint lint-rust lint-python lint-files types documents
 .DELETE_ON_ERROR:
 
 help:
@@ -52,6 +54,7 @@ help:
 	@echo "make study         run the bow study, for docs/study.md, then make measure"
 	@echo "make measure       measure anew what accuracy costs: tables and figures of docs/tradeoff.md and docs/comparison.md"
 	@echo "make accuracy      measure the total error of the accuracy levels on twelve scenes"
+	@echo "make lock          choose the newest versions of the packages for work on gearbow, and store them in $(LOCK)"
 	@echo "make structure     report import cycles, long files, long functions and large structs"
 	@echo "make clean         remove whatever was built"
 
@@ -69,7 +72,7 @@ test-python: $(VENV)/.dev
 # Changes in python/ are then active at once. It builds no wheel, which takes minutes after each change.
 quick: $(BIN)/maturin
 	MATURIN_PEP517_ARGS="--locked --profile quick" $(PIP) install --no-build-isolation --no-deps --editable .
-	$(PIP) install --group dev
+	$(PIP) install --group dev --constraint $(LOCK)
 
 # New random cases in each call; `make test` always takes the same cases.
 random: $(VENV)/.dev
@@ -180,6 +183,13 @@ fleet: $(VENV)/.compare
 	$(BIN)/python benches/fleet.py
 	$(BIN)/python docs/printed.py docs/comparison.md README.md
 
+# The file names no index. It holds the versions for every Python from 3.10 on, on every system.
+lock: $(VENV)/.wheel
+	$(PIP) install uv
+	$(BIN)/uv pip compile --group dev --group docs --group learn --group mutants --upgrade --universal --python-version 3.10 \
+		--no-annotate --find-links $(WHEELS) --no-emit-find-links --no-emit-package gearbow \
+		--custom-compile-command "make lock" --quiet --output-file $(LOCK)
+
 fmt: $(VENV)/.dev
 	cargo fmt
 	$(BIN)/ruff check --fix
@@ -245,9 +255,9 @@ $(VENV)/.docs: $(VENV)/.dev
 
 # The demo needs an extra of the wheel, all other targets a group of pyproject.toml, such as dev or docs.
 $(VENV)/.plot: $(VENV)/.wheel
-	$(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[plot]"
+	$(PIP) install "$$(echo $(WHEELS)/gearbow-*.whl)[plot]" --constraint $(LOCK)
 	touch $@
 
 $(VENV)/.%: $(VENV)/.wheel
-	$(PIP) install --group $*
+	$(PIP) install --group $* --constraint $(LOCK)
 	touch $@

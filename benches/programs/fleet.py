@@ -40,6 +40,9 @@ DURATION = 0.1  # of a run, s
 #: modes far above the frequencies, from the 81st mode on: with damping of all modes, responses of
 #: the gearbox differ by up to 1.3e-4 near resonances.
 FEW_MODES = 1e-3
+#: Accepted difference of synchronous responses with modal damping: the peer damps DAMPED undamped
+#: modes. In the wind turbine 40, 120 and 200 leave 1.5e-4, 2.3e-6 and 4.6e-7 of the response.
+DAMPED_MODES = 5e-6
 
 
 @dataclass(frozen=True)
@@ -267,7 +270,8 @@ def synchronous(machine: Machine) -> Work | str:
         size = np.linalg.norm(scale * exact, axis=2)
         return float(np.max(apart[size > 0.0] / size[size > 0.0]))
 
-    return Work(f"{count} speeds", lambda: prepare(count), assembled, difference)
+    accepted = DAMPED_MODES if machine.system.modal_damping else 1e-6
+    return Work(f"{count} speeds", lambda: prepare(count), assembled, difference, accepted)
 
 
 def frequency_response(machine: Machine) -> Work:

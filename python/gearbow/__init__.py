@@ -23,8 +23,7 @@ from types import ModuleType as _ModuleType
 
 from gearbow import results as results
 from gearbow._core import __version__ as __version__
-from gearbow.description.bow import Bow as Bow
-from gearbow.description.bow_limit import BowLimit as BowLimit
+from gearbow.description.bow import Bow as Bow, BowLimit as BowLimit
 from gearbow.description.elastic import Interface as Interface, Surface as Surface
 from gearbow.description.gears import (
     Disk as Disk,
@@ -45,6 +44,9 @@ from gearbow.description.loads import (
     Coupling as Coupling,
     Drive as Drive,
     Force as Force,
+    GroundMotion as GroundMotion,
+    MeshExcitation as MeshExcitation,
+    ShaftExcitation as ShaftExcitation,
     Torque as Torque,
 )
 from gearbow.description.places import Housing as Housing, Support as Support
@@ -57,11 +59,6 @@ from gearbow.description.shafts import (
     Segment as Segment,
     Shaft as Shaft,
     Sleeve as Sleeve,
-)
-from gearbow.description.sources import (
-    GroundMotion as GroundMotion,
-    MeshExcitation as MeshExcitation,
-    ShaftExcitation as ShaftExcitation,
 )
 from gearbow.description.speed import SpeedProfile as SpeedProfile, SpeedTable as SpeedTable
 from gearbow.description.stiffness import Stiffness as Stiffness
@@ -78,13 +75,13 @@ from gearbow.errors import (
     SceneWarning as SceneWarning,
     StabilityError as StabilityError,
 )
-from gearbow.orders.waterfall import waterfall as waterfall
-from gearbow.results.continuation import Continuation as Continuation
+from gearbow.orders.spectrum import waterfall as waterfall
 from gearbow.results.response import Response as Response
-from gearbow.results.steady import SteadyState as SteadyState
+from gearbow.results.steady import Continuation as Continuation, SteadyState as SteadyState
 from gearbow.sensors import (
     Accelerometer as Accelerometer,
     Probe as Probe,
+    RingSensor as RingSensor,
     StrainGauge as StrainGauge,
     Tacho as Tacho,
 )
@@ -95,7 +92,7 @@ from gearbow.units.speed import degrees as degrees, mm as mm, rpm as rpm
 _LAZY = {
     "Measurement": "gearbow.identification.measurement",
     "Sweep": "gearbow.sweeps.result",
-    "ThermalBow": "gearbow.description.sources",
+    "ThermalBow": "gearbow.description.loads",
     "dataset": "gearbow.studies.dataset",
     "examples": "gearbow.machines.examples",
     "identify": "gearbow.identification.identify",
@@ -106,7 +103,7 @@ _LAZY = {
 }
 
 if _typing.TYPE_CHECKING:
-    from gearbow.description.sources import ThermalBow as ThermalBow
+    from gearbow.description.loads import ThermalBow as ThermalBow
     from gearbow.exchange.rexs import rexs_contents as rexs_contents
     from gearbow.identification import unknown as unknown
     from gearbow.identification.identify import identify as identify

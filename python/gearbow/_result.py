@@ -115,7 +115,6 @@ def _heading(name: str, unit: str) -> str:
 
 
 def _cell(value: Any, form: str, factor: float) -> str:
-    """Write one value."""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, int | np.integer) and factor == 1.0:
@@ -200,18 +199,12 @@ class Result(Shown):
         count : int, optional
             Number of rows; None is all.
         speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speed was given. An error for a result without
-            speeds.
+            Unit of speeds; None is that in which the speed was given. Not for results without any.
 
         Returns
         -------
         str
             What the result is, the headings with units, and the rows.
-
-        Raises
-        ------
-        GearbowError
-            If the unit is unknown or the result has no speeds.
         """
         with self._showing(speed_unit):
             return self._text(None if count is None else whole(count, "count"))
@@ -258,11 +251,6 @@ class Result(Shown):
         pandas.DataFrame
             One row for each row of the table, or for each time or frequency of a result with
             series. Headings have the SI units of the values.
-
-        Raises
-        ------
-        MissingExtraError
-            If pandas is not installed.
         """
         return data_frame(self._series(), indexed=self._indexed)
 
@@ -279,15 +267,8 @@ class Result(Shown):
 
         Raises
         ------
-        SceneError
-            If the name has another ending.
         GearbowError
             If the table is larger than a sheet of Excel.
-        MissingExtraError
-            If the extra that the format needs is not installed: "dataframe" or "netcdf".
-        OSError
-            If the file cannot be written, for example on a full disk. An existing file is
-            unchanged.
         """
         others = [each for each in TABLE_ENDINGS if each not in self._own_endings]
         found, ending = check_name(path, (*self._own_endings, *others))
@@ -368,18 +349,12 @@ class Figured(Result):
         ax : Axes or sequence of Axes, optional
             One for each panel of the figure; None makes a new figure.
         speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speed was given. An error for a result without
-            speeds.
+            Unit of speeds; None is that in which the speed was given. Not for results without any.
 
         Returns
         -------
         matplotlib.figure.Figure
             The figure. It is neither shown nor saved.
-
-        Raises
-        ------
-        GearbowError
-            If `ax` has another number of panels, the unit is unknown or the result has no speeds.
         """
         with extra("plot"):
             from gearbow.plotting import style  # noqa: F401, PLC0415  # as the figure does

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from gearbow._lookup import CheckedMethods
+from gearbow._convert import CheckedMethods
 
 T = TypeVar("T")
 

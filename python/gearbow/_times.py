@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, number, shown
+from gearbow._convert import array, number, positive, shown
 from gearbow._core import require_memory
 from gearbow._types import Array
 from gearbow.errors import SceneError
@@ -26,8 +26,7 @@ def grid(start: float, duration: float, step: float) -> Array:
     """Give equally spaced times from the start; the end is included if a step ends there."""
     if not 0.0 < duration < np.inf:
         return np.array([start])  # the core rejects such a duration
-    if not 0.0 < step < np.inf:
-        raise SceneError(f"output_step: must be positive and finite, got {step!r}")
+    positive(step, "output_step")
     with np.errstate(over="ignore"):
         steps = np.floor(np.float64(duration) / step * (1.0 + 1e-12))
     if not steps < MAX_TIMES:

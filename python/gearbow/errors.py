@@ -14,6 +14,11 @@ if TYPE_CHECKING:
 class GearbowError(Exception):
     """Base of all public exceptions of gearbow.
 
+    Every function raises `SceneError` for an invalid argument, `ChannelError` for a signal that was
+    not recorded, `MissingExtraError` without a library that it needs, and `OSError` for a file that
+    cannot be read or written; a file that it would have replaced is then unchanged. The section
+    "Raises" of a docstring has the errors beyond these.
+
     Attributes
     ----------
     response : gearbow.Response or None

@@ -1,4 +1,4 @@
-"""What probes, accelerometers and tachometers measure of a recorded run."""
+"""What sensors measure of a recorded run, such as probes, accelerometers and tachometers."""
 
 import math
 from abc import ABC, abstractmethod
@@ -9,8 +9,16 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, complex_number, number, text, truth, whole
-from gearbow._lookup import one_of
+from gearbow._convert import (
+    array,
+    complex_number,
+    number,
+    one_of,
+    positive,
+    text,
+    truth,
+    whole,
+)
 from gearbow._shown import Shown
 from gearbow._times import crossings
 from gearbow._types import Array, At
@@ -19,7 +27,7 @@ from gearbow.errors import SceneError
 from gearbow.recording import access
 from gearbow.recording.access import Quantity, angle, motion
 from gearbow.recording.record import Recorded, RunRecord, recorded_run
-from gearbow.units.values import is_quantity, magnitude
+from gearbow.units.fields import is_quantity, magnitude
 
 #: What strain gauges measure.
 GaugeQuantity: TypeAlias = Literal["torque", "bending"]
@@ -75,8 +83,6 @@ class SignalSensor(Sensor):
         ChannelError
             If a motion or section forces were not recorded; the message says what to record. If an
             axial sensor measures a system without axial motion.
-        SceneError
-            If the function of a run-out gives no finite numbers.
         """
         return self._measured(recorded_run(recording, "recording"))
 
@@ -105,11 +111,6 @@ class Tacho(Sensor):
         twist out: the pulses are those of the prescribed rotation.
     angle : float
         Angular position of the sensor about the shaft, from y towards z [rad].
-
-    Raises
-    ------
-    SceneError
-        If the number of pulses is no positive whole number, or another number is not finite.
 
     Examples
     --------
@@ -151,8 +152,6 @@ class Tacho(Sensor):
 
         Raises
         ------
-        ChannelError
-            If there is no such shaft, or the twist or its rate was not recorded.
         SceneError
             If the recorded times do not ascend, which the twist needs.
         """
@@ -202,7 +201,6 @@ def _cubic(time: Array, values: Array, rates: Array, t: Array) -> Array:
 
 
 def _cubic_rate(time: Array, values: Array, rates: Array, t: Array) -> Array:
-    """Give the rate of `_cubic`."""
     i, h, s = _interval(time, t)
     slope: Array = 6.0 * s * (1.0 - s) * (values[i + 1] - values[i]) / h
     return slope + (1.0 - s) * (1.0 - 3.0 * s) * rates[i] + s * (3.0 * s - 2.0) * rates[i + 1]
@@ -245,11 +243,6 @@ class Probe(SignalSensor):
     axial : bool
         Whether it measures the axial displacement of the shaft, along +x, on a collar instead. The
         run-out is then that of the face of the collar, positive along +x.
-
-    Raises
-    ------
-    SceneError
-        If a number is not finite, or the run-out is none of these forms.
 
     Examples
     --------
@@ -363,11 +356,6 @@ class Accelerometer(SignalSensor):
     axial : bool
         Whether it measures along +x instead.
 
-    Raises
-    ------
-    SceneError
-        If the place is invalid, the angle is not finite, or an axial sensor has an angle.
-
     Examples
     --------
     >>> import gearbow as gb
@@ -423,12 +411,6 @@ class StrainGauge(SignalSensor):
     angle : float
         Angle of the fibre in the shaft, from y towards z at shaft angle zero [rad]; 0 for torque.
 
-    Raises
-    ------
-    SceneError
-        If the place or the quantity is invalid, the angle is not finite, or gauges of torque have
-        an angle.
-
     Examples
     --------
     >>> import gearbow as gb
@@ -476,3 +458,80 @@ class StrainGauge(SignalSensor):
                 "phasor of their signal; measure a run, or gauges of torque"
             )
         return motion("torque", self.at)
+
+
+@dataclass(frozen=True)
+class RingSensor(SignalSensor):
+    """A sensor at rest beside an internal gear, past which the carrier takes the planets.
+
+    It measures the forces of the meshes of this gear with its planets, each with a weight w(β) that
+    depends on the angle β between planet and sensor about the axis:
+    w = cos²(πβ/(2 `width`)) within ±`width`, 0 elsewhere (Hann window). So each planet that passes
+    modulates the signal. Multiply it by the acceleration at the sensor for a force of 1 N at the
+    nearest teeth to get that of an accelerometer.
+
+    Parameters
+    ----------
+    ring : str
+        The internal gear. Its meshes must be recorded.
+    angle : float
+        Position of the sensor about the axis of the ring, from y towards z [rad].
+    width : float, optional
+        Angle between planet and sensor [rad] from which on the planet has no effect, at most π.
+        None: π divided by the number of planets, so that the sensor sees one planet at a time.
+
+    Raises
+    ------
+    SceneError
+        If the name is no text, the angle is not finite, or the width is not above 0 and at most π.
+
+    References
+    ----------
+    M. Inalpolat, A. Kahraman: A theoretical and experimental investigation of modulation sidebands
+    of planetary gear sets. Journal of Sound and Vibration 323 (2009), 677-696.
+
+    Examples
+    --------
+    >>> import gearbow as gb
+    >>> gb.RingSensor("ring", angle=0.5).label
+    'ring sensor ring, 28.6°'
+    """
+
+    ring: str
+    _: KW_ONLY
+    angle: float = 0.0
+    width: float | None = None
+
+    unit: ClassVar[str] = "N"
+
+    def __post_init__(self) -> None:
+        text(self.ring, "ring_sensor.ring")
+        object.__setattr__(self, "angle", number(self.angle, "ring_sensor.angle"))
+        if self.width is not None:
+            width = positive(self.width, "ring_sensor.width")
+            if width > math.pi:
+                raise SceneError(f"ring_sensor.width: must be at most π rad, got {width}")
+            object.__setattr__(self, "width", width)
+
+    @property
+    def label(self) -> str:
+        """Name of the signal in tables and figures: kind, gear and position."""
+        return f"ring sensor {self.ring}, {degrees_text(self.angle)}"
+
+    def _measured(self, run: RunRecord) -> Array:
+        planets = access.planets_of(run, self.ring)
+        width = self.width or math.pi / len(planets)
+        measured = np.zeros_like(run.time)
+        for planet in planets:
+            apart = planet.angle - self.angle
+            # The nearer way around, so that |β| is at most π.
+            apart -= 2.0 * np.pi * np.round(apart / (2.0 * np.pi))
+            window = np.cos(0.5 * np.pi * apart / width) ** 2
+            measured += np.where(np.abs(apart) < width, window * planet.force, 0.0)
+        return measured
+
+    def _sensed(self, _: Motion) -> Any:
+        raise SceneError(
+            "sensor: planets pass a sensor beside a ring, so that a harmonic motion has no phasor "
+            "of its signal; measure a run"
+        )

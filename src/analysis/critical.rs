@@ -37,7 +37,10 @@ pub fn critical_speeds(
     interrupt: &Interrupt,
 ) -> Result<Vec<Critical>, AnalysisError> {
     let sense = sense_of(order)?;
-    cached.model.scene.refuse_turning_frame("critical speeds of unbalance")?;
+    cached
+        .model
+        .scene
+        .refuse_turning_frame("undamped critical speeds; campbell() intersects modes with the lines of unbalance")?;
     if let Some(journal) =
         cached.model.nonlinear_bearings.iter().find(|bearing| bearing.is_journal() || bearing.is_squeeze())
     {

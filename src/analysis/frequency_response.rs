@@ -77,7 +77,6 @@ impl<'a> FrequencyResponses<'a> {
         point: &ResponsePoint<'_>,
     ) -> Result<Vec<Option<SourceResponse>>, AnalysisError> {
         let ResponsePoint { index, at, sources } = *point;
-        cached.model.scene.refuse_turning_frame("harmonic response")?;
         let forces: Vec<_> = sources.iter().map(|source| source.force(&cached.model, at)).collect();
         if at.frequency == 0.0 {
             check_rigid_body_motion(&cached.model, &EntryPath::entry(self.argument, index), at.speed, &forces)?;

@@ -14,7 +14,7 @@ use crate::connection::Row;
 use crate::model::{Link, Model, PlaceRows, Support, coefficient};
 use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::description::{self, GroundQuantity, Place};
-use crate::scene::{EntryPath, Node, SceneError, nearest};
+use crate::scene::{EntryPath, Matrix2, Node, SceneError, nearest};
 
 /// Frequency and speed of a harmonic motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,16 +37,18 @@ impl Harmonic {
 struct LinearElement<'m> {
     rows: Vec<Row>,
     coefficients: &'m Support,
+    /// Forces of a damper that does not turn with the frame of the scalars, N/m.
+    in_frame: Matrix2,
 }
 
 impl<'m> LinearElement<'m> {
-    fn of_support(support: &'m Support) -> Self {
+    fn of_support(model: &Model, support: &'m Support) -> Self {
         let rows = vec![vec![(support.index, 1.0)], vec![(support.index + 1, 1.0)]];
-        Self { rows, coefficients: support }
+        Self { rows, coefficients: support, in_frame: model.frame_part(support) }
     }
 
-    fn of_link(link: &'m Link) -> Self {
-        Self { rows: link.rows.clone(), coefficients: &link.local }
+    fn of_link(model: &Model, link: &'m Link) -> Self {
+        Self { rows: link.rows.clone(), coefficients: &link.local, in_frame: model.frame_part(&link.local) }
     }
 
     /// Rows of the force (K + iωC) u over the coordinates, N/m.
@@ -62,15 +64,16 @@ impl<'m> LinearElement<'m> {
     /// Force (K + iωC) u of scalars u.
     fn force(&self, at: Harmonic, scalars: &[Complex64; 2]) -> [Complex64; 2] {
         let Support { stiffness, damping, loss_factor, .. } = self.coefficients;
-        let entry = |i: usize, j: usize| at.stiffness(stiffness[i][j], *loss_factor, damping[i][j]);
+        let entry =
+            |i: usize, j: usize| at.stiffness(stiffness[i][j], *loss_factor, damping[i][j]) + self.in_frame[i][j];
         [0, 1].map(|i| entry(i, 0) * scalars[0] + entry(i, 1) * scalars[1])
     }
 }
 
 /// All bearings and links of a model.
 fn elements(model: &Model) -> impl Iterator<Item = LinearElement<'_>> {
-    let supports = model.supports.iter().map(LinearElement::of_support);
-    supports.chain(model.links.iter().map(LinearElement::of_link))
+    let supports = model.supports.iter().map(|support| LinearElement::of_support(model, support));
+    supports.chain(model.links.iter().map(|link| LinearElement::of_link(model, link)))
 }
 
 /// A translation of the ground, with the coordinates on which it acts.
@@ -137,6 +140,9 @@ impl HarmonicSource {
         match given {
             description::Source::Force { at: place, value, axial } => {
                 let (value, axial) = (value.map(Complex64::from), Complex64::from(*axial));
+                if value != [Complex64::ZERO; 2] {
+                    model.scene.refuse_fixed_force(place, &at)?;
+                }
                 Ok(Self::Load(force(&model.place_rows(place, &at.field("at"))?, value, axial, &at)?))
             }
             description::Source::Torque { at: place, value } => {
@@ -155,6 +161,9 @@ impl HarmonicSource {
             }
             description::Source::Ground { quantity, value, axial, under } => {
                 let (value, axial) = (value.map(Complex64::from), Complex64::from(*axial));
+                if value != [Complex64::ZERO; 2] {
+                    model.scene.refuse_fixed_motion(&at)?;
+                }
                 let translation = translation(model, value, axial, &at)?;
                 let under = under.as_ref().map(|places| coordinates(model, places, &translation, &at)).transpose()?;
                 Ok(Self::Ground(GroundMotion { quantity: *quantity, translation, under }))
@@ -281,7 +290,8 @@ impl HarmonicForces<'_> {
         let index = self.model.numbering.translation(node);
         let supports = self.model.supports.iter().filter(move |support| Some(support.index) == index);
         let links = self.model.links.iter().filter(move |link| link.bearing == Some(node));
-        supports.map(LinearElement::of_support).chain(links.map(LinearElement::of_link))
+        let of_links = links.map(|link| LinearElement::of_link(self.model, link));
+        supports.map(|support| LinearElement::of_support(self.model, support)).chain(of_links)
     }
 
     /// Phasors of the force over (y, z) of the shaft on its bearings at a node, N.

@@ -1,8 +1,8 @@
 //! Steady linear response to everything that turns once with a shaft, in the frequency domain: bow, unbalance, turning forces,
 //! run-out of gears, and the first harmonic of transmission errors of a shaft.
 //!
-//! Shaft s excites at its speed Ω_s: [K + iΩ_s(C + ΩG) − Ω_s²M] a = f_s. The motion is the sum of Re(a e^{iϑ_s}) over all
-//! shafts.
+//! Shaft s excites at its speed ω relative to the frame of its lateral motion, which is Ω_s if this frame is at rest:
+//! [K + iω(C + ΩG) − ω²M] a = f_s. The motion is the sum of Re(a e^{iϑ_s}) over all shafts, with the angles ϑ_s in these frames.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -12,6 +12,7 @@ use super::{AnalysisError, Dense};
 use crate::linalg::{Side, backward_error, matrix_of_columns, solve_complex};
 use crate::modal::{CachedModel, DynamicKey, Highest, MAX_DENSE, Solved};
 use crate::model::{Excitation, Model, StructuralDamping};
+use crate::motion::RotatingLoad;
 use crate::scene::{EntryPath, SceneError};
 
 /// Part of the excitation by a rotating shaft.
@@ -20,8 +21,6 @@ pub enum ExcitationPart {
     /// Everything that turns with the shaft.
     #[default]
     All,
-    /// Bow, unbalance and turning forces: the loads of a run. Its meshes contain run-out and transmission errors.
-    Loads,
     /// Bow only.
     Bow,
     /// Unbalance only.
@@ -140,8 +139,7 @@ pub(super) fn synchronous_of(
     part: ExcitationPart,
     highest: Highest,
 ) -> Result<SourceResponse, AnalysisError> {
-    cached.model.scene.refuse_turning_frame("harmonic response")?;
-    let spin = cached.model.shafts[source].ratio * speed;
+    let spin = cached.model.shafts[source].ratio_in_frame() * speed;
     let cached = cached.at(speed, spin)?;
     let model = &cached.model;
     let Some(force) = rotating_force(model, Harmonic { frequency: spin, speed: flank_speed }, source, part) else {
@@ -151,6 +149,26 @@ pub(super) fn synchronous_of(
     let key = DynamicKey { speed, spin, flank_speed };
     let found = solve(&cached, key, highest, Side::Right, 0.0, &force)?;
     found.ok_or_else(|| unsolved(speed))?.checked(speed, name)
+}
+
+/// Response at `speed`, rad/s, to a load of a run, whose meshes contain run-out and transmission errors.
+///
+/// # Errors
+/// As [`synchronous_of`].
+pub(super) fn response_to(
+    cached: &CachedModel,
+    speed: f64,
+    load: &RotatingLoad,
+    highest: Highest,
+) -> Result<SourceResponse, AnalysisError> {
+    let cached = cached.at(speed, load.spin)?;
+    let mut force = DVector::zeros(cached.model.len());
+    let [cosine, sine] = load.columns();
+    cosine.iter().for_each(|(index, value)| force[*index] += *value);
+    sine.iter().for_each(|(index, value)| force[*index] -= Complex::i() * *value);
+    let key = DynamicKey { speed, spin: load.spin, flank_speed: speed };
+    let found = solve(&cached, key, highest, Side::Right, 0.0, &force)?;
+    found.ok_or_else(|| unsolved(speed))?.checked(speed, &cached.model.scene.shafts[load.shaft].name)
 }
 
 /// Solves S x = f, or Sᵀ x = f for [`Side::Left`]. Band matrices without modal damping give a solution with at most the backward
@@ -180,16 +198,16 @@ pub(super) fn solve(
     solve_dense(cached, key, side, force).map(Some)
 }
 
-/// Phasors of the force of a source shaft, whose speed is the frequency of `at`; `None` without force.
+/// Phasors of the force of a source shaft, whose speed relative to its frame is the frequency of `at`; `None` without force.
 pub(super) fn rotating_force(
     model: &Model,
     at: Harmonic,
     source: usize,
     part: ExcitationPart,
 ) -> Option<DVector<Complex<f64>>> {
-    let spin = at.frequency;
+    let spin = at.frequency + model.shafts[source].frame * at.speed;
     let acting = |excitation: &Excitation| match part {
-        ExcitationPart::All | ExcitationPart::Loads => excitation.amplitude(spin, 0.0),
+        ExcitationPart::All => excitation.amplitude(spin, 0.0),
         ExcitationPart::Bow => excitation.steady_amplitude(),
         ExcitationPart::Unbalance => excitation.unbalance_amplitude(spin, 0.0),
     };
@@ -276,7 +294,7 @@ pub(super) fn motion(
     let n = cached.model.len();
     let (mut q, mut v) = (DVector::zeros(n), DVector::zeros(n));
     for (source, rotation) in rotations.iter().enumerate() {
-        let spin = cached.model.shafts[source].ratio * speed;
+        let spin = cached.model.shafts[source].ratio_in_frame() * speed;
         for (index, amplitude) in amplitudes.column(source).iter().enumerate() {
             let value = amplitude * rotation;
             q[index] += value.re;

@@ -24,6 +24,9 @@ const SCALARS: usize = 3;
 pub struct TurningBow {
     /// Index of its shaft.
     pub shaft: usize,
+    /// Index of the angle of the shaft in the frame of its lateral motion, in
+    /// [`Model::turning_ratio`](crate::model::Model::turning_ratio).
+    pub turning: usize,
     /// Size F of the force K_s b, N.
     pub force: f64,
     /// The scalars: real and imaginary part of the displacement s along the force, m, and the twist θ, rad.

@@ -64,7 +64,7 @@ impl Interface {
             Self::Bearing(interface) => Some(interface.bearing.turning),
             Self::Nonlinear(interface) => Some(interface.bearing.turning),
             Self::Load(interface) => Some(interface.load.shaft),
-            Self::Bow(interface) => Some(interface.bow.shaft),
+            Self::Bow(interface) => Some(interface.bow.turning),
         }
     }
 

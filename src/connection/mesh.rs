@@ -163,10 +163,13 @@ impl MeshInterface {
     fn motion_rows(&self) -> Vec<Row> {
         let (gear_mesh, sigma) = (&self.gear_mesh, self.sigma);
         let [ra, rb] = gear_mesh.involute.base_radius;
-        let MeshCoordinates { translation, .. } = gear_mesh.coordinates;
+        let MeshCoordinates { translation, carrier, .. } = gear_mesh.coordinates;
         let twists = |factors: [f64; 2]| gear_mesh.coordinates.twist_row(factors);
-        let relative_displacement =
-            |lane: usize| translation.map_or_else(Vec::new, |[a, b]| vec![(a + lane, -1.0), (b + lane, 1.0)]);
+        let relative_displacement = |lane: usize| {
+            let of_centres = translation.into_iter().flat_map(|[a, b]| [(a + lane, -1.0), (b + lane, 1.0)]);
+            let of_carrier = carrier.map(|carrier| (carrier, -gear_mesh.arc()[lane]));
+            of_centres.chain(of_carrier.filter(|(_, factor)| *factor != 0.0)).collect::<Row>()
+        };
         match self.scalars {
             Scalars::Deflection => {
                 let mut row = Vec::new();

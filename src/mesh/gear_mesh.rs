@@ -22,6 +22,7 @@ use super::helix::Helix;
 use super::involute::{CentreGeometry, Centres, Involute, LineOfAction, Overlap};
 use super::pose::{Directions, Geometry, MeshCoordinates, MeshPose, RelativeMotion, dot};
 use super::stiffness::{self, Stiffness};
+use crate::numerics::ROUND_OFF;
 use crate::scene::{Damping, Gear, Mesh, Phase};
 
 /// A mesh with its coordinates.
@@ -55,6 +56,8 @@ pub struct GearMesh {
     pub shafts: [usize; 2],
     /// Shaft of the carrier, to which angles and spins are relative; none for gears on fixed axes.
     pub carrier: Option<usize>,
+    /// Change of the vector between the centres per twist of the carrier, m/rad; zero if planets do not move laterally.
+    arc: [f64; 2],
     /// Friction between the flanks.
     pub friction: Option<Box<Friction>>,
     pub(super) error: Option<ErrorCurve>,
@@ -87,7 +90,10 @@ impl GearMesh {
         let friction = mesh.teeth.friction.as_ref();
         let friction = friction.map(|given| Box::new(Friction::new(given, [a, b], &involute, &teeth)));
         let out = [a, b].map(|gear| (gear.runout.norm(), gear.runout.arg()));
+        let is_carried = coordinates.carrier.is_some() && coordinates.translation.is_some();
+        let [y, z] = involute.centres_at_rest();
         Self {
+            arc: if is_carried { [-z, y] } else { [0.0; 2] },
             at_rest: [-1.0, 1.0].map(|sigma| involute.line_at_rest(sigma)),
             coordinates,
             helix: helical.map(|(axial, translation)| helix(axial, translation)),
@@ -172,7 +178,12 @@ impl GearMesh {
         self.teeth.is_constant() && self.error.is_none() && self.runout.is_none() && self.friction.is_none()
     }
 
-    /// Relative motion of the gears for displacements or velocities of the whole model; without the product τ·c of helical
+    /// Vector per twist of the carrier that [`Self::relative`] subtracts from the displacement of the centres, m/rad.
+    pub fn arc(&self) -> [f64; 2] {
+        self.arc
+    }
+
+    /// Relative motion of the gears for displacements or velocities of the whole model, both relative to the twist of the carrier; without the product τ·c of helical
     /// teeth, which [`Self::pose`] adds.
     #[inline(always)]
     pub fn relative(&self, q: &[f64]) -> RelativeMotion {
@@ -180,7 +191,7 @@ impl GearMesh {
         let carrier = self.coordinates.carrier.map_or(0.0, |index| q[index]);
         let twist = self.coordinates.twist.map(|index| q[index] - carrier);
         let relative_displacement = match self.coordinates.translation {
-            Some([a, b]) => [q[b] - q[a], q[b + 1] - q[a + 1]],
+            Some([a, b]) => [0, 1].map(|lane| q[b + lane] - q[a + lane] - carrier * self.arc[lane]),
             None => [0.0; 2],
         };
         let rolling_displacement = ra * twist[0] + rb * twist[1];
@@ -364,7 +375,7 @@ impl GearMesh {
         out[a] += contact.moments[0];
         out[b] += contact.moments[1];
         if let Some(carrier) = self.coordinates.carrier {
-            out[carrier] -= contact.moments[0] + contact.moments[1];
+            out[carrier] -= contact.moments[0] + contact.moments[1] + dot(contact.centre_force, self.arc);
         }
         if let Some(helix) = &self.helix {
             helix.apply(&contact.helix, out);
@@ -389,7 +400,11 @@ impl GearMesh {
         visit(a, sigma * ra);
         visit(b, sigma * rb);
         if let Some(carrier) = self.coordinates.carrier {
-            visit(carrier, -sigma * (ra + rb));
+            let slope = dot(normal, self.arc) - sigma * (ra + rb);
+            // A twist of the carrier turns centres at rest with their line of action.
+            if slope.abs() > ROUND_OFF * (ra.abs() + rb.abs()) {
+                visit(carrier, slope);
+            }
         }
         if let Some(helix) = &self.helix {
             helix.gradient(centres, |index, slope| visit(index, sigma * slope));

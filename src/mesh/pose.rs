@@ -20,7 +20,7 @@ pub struct MeshCoordinates {
     pub axial: Option<[usize; 2]>,
     /// θ of driver and driven gear.
     pub twist: [usize; 2],
-    /// θ of the carrier, to which both twists are relative; `None` for gears on fixed axes.
+    /// θ of the carrier, to which twists and centres are relative; `None` for gears on fixed axes.
     pub carrier: Option<usize>,
 }
 

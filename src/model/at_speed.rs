@@ -29,20 +29,25 @@ pub(super) fn bearings(
             continue;
         };
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
-            // A bearing that does not stand on the ground is a link.
-            (Some(_), Some(_)) if bearing.attachment.is_some() => {}
+            // Another linear bearing is a link.
+            (Some(_), Some(_)) if !bearing.is_plain_support() => {}
             (Some(stiffness), Some(damping)) => {
                 let support = Support::new(index, stiffness, damping).with_loss_factor(bearing.loss_factor);
                 supports.push(support.in_frame(scene.frame_ratio(bearing.node.shaft)));
             }
             _ => {
                 let [shaft, base] = scene.bearing_speed_ratios(bearing);
-                let (ratio, turning) = (shaft - base, scene.shafts.len() + nonlinear + bearings.len());
+                let (ratio, turning) = (shaft - base, first_bearing(scene) + nonlinear + bearings.len());
                 bearings.push(SpeedDependentBearing { number, bearing: bearing.clone(), rows, ratio, turning });
             }
         }
     }
     (supports, bearings)
+}
+
+/// Index in [`Model::turning_ratio`] of the first bearing.
+fn first_bearing(scene: &Scene) -> usize {
+    2 * scene.shafts.len()
 }
 
 /// Nonlinear bearings, without coefficients in the matrices.
@@ -64,7 +69,7 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
     for (number, bearing) in scene.bearings.iter().enumerate() {
         if let Some((pads, rows)) = pad_modes(scene, numbering, bearing).zip(bearing_rows(scene, numbering, bearing)) {
             for (film, motions) in pads.films(direction(bearing)) {
-                let (turning, ratios) = (scene.shafts.len() + found.len(), scene.bearing_speed_ratios(bearing));
+                let (turning, ratios) = (first_bearing(scene) + found.len(), scene.bearing_speed_ratios(bearing));
                 let row = |axis: usize| {
                     let own = motions.iter().map(|(index, way)| (*index, -way[axis]));
                     rows[axis].iter().copied().chain(own).collect()
@@ -81,7 +86,7 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
                 let slopes = slope_rows(scene, numbering, bearing).unwrap_or_default();
                 rows.extend(slopes.map(|row| row.into_iter().map(|(index, c)| (index, ring.radius * c)).collect()));
             }
-            let (turning, ratios) = (scene.shafts.len() + found.len(), scene.bearing_speed_ratios(bearing));
+            let (turning, ratios) = (first_bearing(scene) + found.len(), scene.bearing_speed_ratios(bearing));
             found.push(NonlinearBearing::new(number, rows, turning, ratios, law));
         }
     }
@@ -94,7 +99,7 @@ pub(super) fn nonlinear_bearings(scene: &Scene, numbering: &Numbering) -> Vec<No
             continue;
         };
         let rows = mount_rows(scene, numbering, housing, first).into();
-        let turning = scene.shafts.len() + found.len();
+        let turning = first_bearing(scene) + found.len();
         let law = BearingLaw::Film(Film::of_squeeze(squeeze));
         found.push(NonlinearBearing::new(number, rows, turning, [0.0; 2], law));
     }
@@ -287,20 +292,28 @@ impl Model {
         self.nonlinear_bearings.iter().filter(is_there)
     }
 
-    /// Ratio of a speed to that of the reference shaft: the speed of a shaft or, after the shafts, the mean speed of a nonlinear
-    /// bearing or, after them, the speed of a bearing with tables.
+    /// Ratio of a speed to that of the reference shaft: the speed of a shaft; after all shafts, that of a shaft relative to the frame
+    /// of its lateral motion; then the mean speed of a nonlinear bearing; then the speed of a bearing with tables.
     pub fn turning_ratio(&self, turning: usize) -> f64 {
         let (shafts, nonlinear) = (self.shafts.len(), self.nonlinear_bearings.len());
+        let first = first_bearing(&self.scene);
         match turning {
             _ if turning < shafts => self.shafts[turning].ratio,
-            _ if turning < shafts + nonlinear => self.nonlinear_bearings[turning - shafts].ratio,
-            _ => self.bearings[turning - shafts - nonlinear].ratio,
+            _ if turning < first => self.shafts[turning - shafts].ratio_in_frame(),
+            _ if turning < first + nonlinear => self.nonlinear_bearings[turning - first].ratio,
+            _ => self.bearings[turning - first - nonlinear].ratio,
         }
     }
 
-    /// Number of shafts and bearings that [`Self::turning_ratio`] knows.
+    /// Number of speeds that [`Self::turning_ratio`] knows.
     pub fn turning_count(&self) -> usize {
-        self.shafts.len() + self.nonlinear_bearings.len() + self.bearings.len()
+        first_bearing(&self.scene) + self.nonlinear_bearings.len() + self.bearings.len()
+    }
+
+    /// Index in [`Self::turning_ratio`] of a shaft relative to the frame of its lateral motion.
+    #[inline]
+    pub fn in_frame(&self, shaft: usize) -> usize {
+        self.shafts.len() + shaft
     }
 
     /// Whether a bearing at a node has rolling elements.

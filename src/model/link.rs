@@ -1,7 +1,7 @@
 //! Linear springs and dampers of constant coefficients over one or two scalars of the displacements.
 //!
 //! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
-//! link: a bearing on a housing or between two shafts, the stiffness of a bearing along the axis and against tilting, the mount of a housing, a
+//! link: a misaligned bearing, one on a housing or between two shafts, the stiffness of a bearing along the axis and against tilting, the mount of a housing, a
 //! coupling, a drive. All are part of the matrices.
 
 use std::ops::Range;
@@ -35,10 +35,10 @@ pub fn coefficient(row: &Row, index: Option<usize>) -> f64 {
     row.iter().filter(|(other, _)| Some(*other) == index).map(|(_, coefficient)| coefficient).sum()
 }
 
-/// Scalars of a misaligned coupling at which it has no force: fixed + turning·e^{iϑ}, as v + iw.
+/// Scalars of a misaligned coupling or bearing at which it has no force: fixed + turning·e^{iϑ}, as v + iw.
 #[derive(Clone, Copy, Debug)]
 pub struct Rest {
-    /// Part that is fixed in space, m or rad.
+    /// Part that is fixed in the frame of the scalars, m or rad.
     pub fixed: Complex64,
     /// Part that turns with the shaft, m.
     pub turning: Complex64,
@@ -200,11 +200,13 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
             continue;
         };
         if let Some(rows) = bearing_rows(scene, numbering, bearing)
-            .filter(|_| bearing.attachment.is_some() && bearing.has_constant_part())
+            .filter(|_| !bearing.is_plain_support() && bearing.has_constant_part())
         {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
             let link = link.with_loss_factor(bearing.loss_factor).in_frame(damper_frame(scene, bearing));
-            links.push(Link { bearing: Some(bearing.node), ..link });
+            let rest = Rest { fixed: bearing.misalignment, turning: Complex64::ZERO, shaft: bearing.node.shaft };
+            let rest = (rest.fixed != Complex64::ZERO).then_some(rest);
+            links.push(Link { bearing: Some(bearing.node), rest, ..link });
         }
     }
     links

@@ -107,7 +107,7 @@ impl Model {
         load
     }
 
-    /// Weights along the coordinates, N.
+    /// Weights along the coordinates, N; without those in frames that turn.
     pub fn weight(&self) -> DVector<f64> {
         let mut load = DVector::zeros(self.len());
         self.add_weight(load.as_mut_slice());
@@ -137,8 +137,31 @@ impl Model {
                     *acceleration = elastic.translation.as_ref().map_or(0.0, |[_, v, w]| y * v[mode] + z * w[mode]);
                 }
             }
+            for (index, shaft) in self.shafts.iter().enumerate() {
+                if let (Some(_), Some(chain)) = (self.scene.frame_of(index), &shaft.bending) {
+                    acceleration.as_mut_slice()[chain.coordinates::<2>()].fill(0.0);
+                }
+            }
             self.multiply_mass(acceleration.as_slice(), load);
         }
+    }
+
+    /// Weights of the shafts in the frame of a carrier that turns, at its angle zero, as entries (index of v, force over y + iz), N.
+    pub fn weight_in_frame(&self, carrier: usize) -> Vec<(usize, Complex64)> {
+        let gravity = Complex64::new(self.scene.gravity[0], self.scene.gravity[1]);
+        if gravity == Complex64::ZERO {
+            return Vec::new();
+        }
+        let (mut along, mut mass) = (vec![0.0; self.len()], vec![0.0; self.len()]);
+        for (index, shaft) in self.scene.shafts.iter().enumerate() {
+            let nodes = (0..shaft.nodes.len()).filter(|_| self.scene.frame_of(index) == Some(carrier));
+            for v in nodes.filter_map(|node| self.numbering.translation(Node { shaft: index, node })) {
+                along[v] = 1.0;
+            }
+        }
+        self.multiply_mass(&along, &mut mass);
+        let weights = mass.into_iter().enumerate().filter(|(_, mass)| *mass != 0.0);
+        weights.map(|(index, mass)| (index, mass * gravity)).collect()
     }
 }
 

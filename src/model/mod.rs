@@ -44,6 +44,7 @@ pub use dynamic_stiffness::{SAME_ROTATION, StructuralDamping, Weights};
 pub use flanks::Rotation;
 pub use housing::{HousingInertia, point_rows};
 pub use link::{Link, Rest, bearing_rows, coefficient};
+pub use matrices::Add;
 pub use numbering::{Dof, DofKind, Numbering};
 pub use place::PlaceRows;
 pub use shaft::{BendingChain, Chain, Excitation, RodChain, ShaftModel};
@@ -224,8 +225,7 @@ impl Model {
                 let twist = nodes.map(|node| numbering.twist(node).unwrap_or_default());
                 let [a, b] = nodes.map(|node| numbering.displacement_along(node));
                 let axial = a.zip(b).filter(|_| moves).map(|(a, b)| [a, b]);
-                // A planet on elastic pins has the displacement by the twist of the carrier among its own.
-                let carrier = mesh.carrier.filter(|_| !moves).and_then(|node| numbering.twist(node));
+                let carrier = mesh.carrier.and_then(|node| numbering.twist(node));
                 GearMesh::new(mesh, &scene.gears, MeshCoordinates { translation, axial, twist, carrier })
             })
             .collect();
@@ -296,12 +296,17 @@ impl Model {
         let mut sum = [0.0; 3];
         let index = self.numbering.translation(node);
         for support in self.supports.iter().filter(|support| Some(support.index) == index) {
-            let [y, z] = support.force(q, v);
-            sum = [sum[0] + y, sum[1] + z, sum[2]];
+            let ([y, z], [y_frame, z_frame]) =
+                (support.force(q, v), self.frame_force(support, [q[support.index], q[support.index + 1]]));
+            sum = [sum[0] + y + y_frame, sum[1] + z + z_frame, sum[2]];
         }
         let axes = [index, index.map(|v| v + 1), self.numbering.displacement_along(node)];
         for link in self.links.iter().filter(|link| link.bearing == Some(node)) {
-            for (row, force) in link.rows.iter().zip(link.force(q, v)) {
+            let (link_force, in_frame) = (link.force(q, v), self.frame_force(&link.local, link.scalars(q)));
+            let fixed = link.rest.map(|rest| rest.fixed).unwrap_or_default();
+            let at_rest = link.local.elastic_force(&[fixed.re, fixed.im]);
+            let forces = [0, 1].map(|axis| link_force[axis] + in_frame[axis] - at_rest[axis]);
+            for (row, force) in link.rows.iter().zip(forces) {
                 for (sum, axis) in sum.iter_mut().zip(axes) {
                     *sum += coefficient(row, axis) * force;
                 }

@@ -34,7 +34,7 @@ impl Model {
             let twist = self.bow_twist(shaft)?;
             let force = model.excitations.iter().fold(0.0_f64, |size, excitation| size.hypot(excitation.bow.norm()));
             let [real, imaginary] = bow_force(model).map(|row| divided(row, force));
-            Some(TurningBow { shaft, force, rows: [real, imaginary, twist] })
+            Some(TurningBow { shaft, turning: self.in_frame(shaft), force, rows: [real, imaginary, twist] })
         };
         self.shafts.iter().enumerate().filter(|(_, shaft)| is_bowed(shaft)).filter_map(bow).collect()
     }

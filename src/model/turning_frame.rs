@@ -20,7 +20,7 @@ use super::matrices::Add;
 use super::{BendingChain, Model, ShaftModel, Support};
 use crate::connection::Row;
 use crate::linalg::CoupledBands;
-use crate::scene::Node;
+use crate::scene::{Matrix2, Node};
 
 /// A planet on pins of a carrier that turns.
 #[derive(Clone, Debug)]
@@ -52,6 +52,11 @@ impl Planet {
 }
 
 impl ShaftModel {
+    /// Speed relative to the frame of its lateral motion, over that of the reference shaft.
+    pub fn ratio_in_frame(&self) -> f64 {
+        self.ratio - self.frame
+    }
+
     /// Adds the Coriolis term 2iΩ_c M per unit speed of the reference shaft.
     pub(super) fn visit_coriolis(&self, add: Add<'_>) {
         for chain in self.turning_chain() {
@@ -100,6 +105,17 @@ impl Support {
 }
 
 impl Model {
+    /// Force per displacement of a damper that does not turn with the frame of its scalars, at the speed that the model contains.
+    pub fn frame_part(&self, element: &Support) -> Matrix2 {
+        let speed = self.circulation.filter(|_| element.frame != 0.0);
+        speed.map_or(Matrix2::default(), |speed| element.frame_part(speed))
+    }
+
+    /// The same force at the scalars u, N or N m.
+    pub(super) fn frame_force(&self, element: &Support, u: [f64; 2]) -> [f64; 2] {
+        self.frame_part(element).map(|row| row[0] * u[0] + row[1] * u[1])
+    }
+
     /// Planets on pins of carriers that turn.
     pub(super) fn find_planets(&self) -> Vec<Planet> {
         let mut found: Vec<Planet> = Vec::new();
@@ -146,8 +162,15 @@ impl Model {
         }
     }
 
+    /// Adds the Coriolis terms of all shafts per unit speed of the reference shaft.
+    pub fn visit_coriolis(&self, add: Add<'_>) {
+        for shaft in &self.shafts {
+            shaft.visit_coriolis(add);
+        }
+    }
+
     /// Centrifugal forces on the planets at a speed of the reference shaft, rad/s, n entries, N and N m.
-    pub(super) fn add_centrifugal_forces(&self, speed: f64, load: &mut DVector<f64>) {
+    pub fn add_centrifugal_forces(&self, speed: f64, load: &mut DVector<f64>) {
         for planet in &self.planets {
             let square = (speed * planet.ratio).powi(2);
             planet.centrifugal.iter().for_each(|(index, force)| load[*index] += square * force);

@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
+use super::frame::{FrameForces, TurningFrame};
 use super::rotating_load::RotatingLoad;
 use super::shaft_rotation::{RotationState, ShaftRotation, VariableSpeed};
 use crate::connection::{AppliedLoad, Connection, Instant};
@@ -39,7 +40,7 @@ pub struct EquationOfMotion<'m> {
     pub(super) model: &'m Model,
     pub(super) geometry: Geometry,
     pub(super) sigma: Vec<f64>,
-    /// Signed spin of each shaft and, after them, of what turns each nonlinear bearing, rad/s, if the speed is constant.
+    /// Signed speeds in the order of [`Model::turning_ratio`], rad/s, if the speed is constant.
     pub(super) spins: Vec<f64>,
     pub(super) constants: RunConstants,
     /// Speed of the reference shaft, if it is variable.
@@ -54,6 +55,10 @@ pub struct EquationOfMotion<'m> {
     pub(super) switching: Vec<usize>,
     /// Bow, unbalance and turning forces of the shafts.
     pub(super) rotating_loads: Vec<RotatingLoad>,
+    /// Loads that do not depend on time and motion, with centrifugal forces on planets, n entries, N and N m.
+    pub(super) constant_load: DVector<f64>,
+    /// Forces of frames that turn; none without such frames.
+    pub(super) frame_forces: Option<FrameForces>,
     /// Matrix of modal damping, N s/m, shape (n, n); none without modal damping, or if nothing needs it.
     pub(super) modal_damping: Option<DMatrix<f64>>,
     /// Speed-dependent bearings at the largest speed of the run. They define the energy norm of the tolerances, which
@@ -110,6 +115,9 @@ impl<'m> EquationOfMotion<'m> {
             let [stiffness, damping] = bearing.at(speed);
             Link::new(String::new(), bearing.rows.to_vec(), stiffness, damping)
         });
+        let frame_forces = FrameForces::new(model, speed);
+        let centrifugal = frame_forces.as_ref().map(|forces| &forces.centrifugal);
+        let constant_load = centrifugal.map_or_else(|| model.constant_load.clone(), |load| &model.constant_load + load);
         let angles: Vec<f64> = at_origin.iter().map(|phasor| phasor.arg()).collect();
         Self {
             model,
@@ -128,6 +136,8 @@ impl<'m> EquationOfMotion<'m> {
             contact_modes: vec![ContactMode::ALWAYS; model.meshes.len()],
             switching: model.meshes.iter().filter(|mesh| mesh.switches()).flat_map(GearMesh::indices).collect(),
             rotating_loads,
+            constant_load,
+            frame_forces,
             modal_damping: None,
             norm_bearings: norm_bearings.collect(),
             equilibrium,
@@ -204,16 +214,31 @@ impl<'m> EquationOfMotion<'m> {
         self.variable_speed.as_ref().is_some_and(|variable_speed| variable_speed.leaves_piece(elapsed))
     }
 
-    /// Phasor e^{iϑ} of a shaft.
+    /// Phasor e^{iϑ} of a shaft in the frame of its lateral motion.
     pub fn phasor(&self, shaft: usize, elapsed: f64) -> Complex64 {
-        self.at_origin[shaft] * Complex64::from_polar(1.0, self.angle_and_spin(shaft, elapsed).0)
+        let turning = self.model.in_frame(shaft);
+        self.at_origin[turning] * Complex64::from_polar(1.0, self.angle_and_spin(turning, elapsed).0)
     }
 
-    /// The rotation of a shaft and of its bow, which turns with the twist in the displacements q if the scene says so.
+    /// The frame of the lateral motion of a shaft, if it turns.
+    pub fn frame(&self, shaft: usize, elapsed: f64) -> Option<TurningFrame> {
+        let carrier = self.model.scene.frame_of(shaft)?;
+        let ShaftPhase { angle, spin } = self.phase(carrier, elapsed);
+        Some(TurningFrame { phasor: Complex64::from_polar(1.0, angle), speed: spin })
+    }
+
+    /// Loads that do not depend on time and motion, with centrifugal forces on planets, n entries, N and N m.
+    pub fn constant_load(&self) -> &DVector<f64> {
+        &self.constant_load
+    }
+
+    /// The rotation of a shaft and of its bow, seen from the ground. The bow turns with the twist in the displacements q if the
+    /// scene says so.
     pub fn turning(&self, shaft: usize, elapsed: f64, q: &[f64]) -> Turning {
         let twist = self.model.turning_bow(shaft).map_or(0.0, |bow| bow.twist(q));
         let bow = self.phasor(shaft, elapsed) * Complex64::from_polar(1.0, twist);
-        Turning { spin: self.angle_and_spin(shaft, elapsed).1, bow }
+        let from_ground = self.frame(shaft, elapsed).map_or(bow, |frame| bow * frame.phasor);
+        Turning { spin: self.angle_and_spin(shaft, elapsed).1, bow: from_ground }
     }
 
     /// Whether the speed is constant.
@@ -221,7 +246,7 @@ impl<'m> EquationOfMotion<'m> {
         self.variable_speed.is_none()
     }
 
-    /// Angle of a shaft, or of what turns a nonlinear bearing, since elapsed time zero, rad, and its spin, rad/s.
+    /// Angle since elapsed time zero, rad, and speed, rad/s, of an index of [`Model::turning_ratio`].
     #[inline(always)]
     fn angle_and_spin(&self, turning: usize, elapsed: f64) -> (f64, f64) {
         match &self.variable_speed {
@@ -231,6 +256,11 @@ impl<'m> EquationOfMotion<'m> {
                 (ratio * now.angle, ratio * now.speed)
             }
         }
+    }
+
+    /// Speed of a shaft relative to the frame of its lateral motion, rad/s.
+    pub(super) fn spin_in_frame(&self, shaft: usize, elapsed: f64) -> f64 {
+        self.angle_and_spin(self.model.in_frame(shaft), elapsed).1
     }
 
     /// Spin of a shaft, rad/s, and its acceleration, rad/s².
@@ -315,8 +345,7 @@ impl<'m> EquationOfMotion<'m> {
         }
     }
 
-    /// Angle and spin of a shaft, or of what turns a nonlinear bearing: an index among the shafts and, after them, the nonlinear
-    /// bearings.
+    /// Angle and speed of an index of [`Model::turning_ratio`].
     #[inline(always)]
     pub(super) fn phase(&self, turning: usize, elapsed: f64) -> ShaftPhase {
         let (angle, spin) = self.angle_and_spin(turning, elapsed);

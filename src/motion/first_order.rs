@@ -13,7 +13,7 @@ impl EquationOfMotion<'_> {
     /// Writes the external forces and the forces of all connections into `force`.
     #[inline(always)]
     fn loads(&self, elapsed: f64, q: &[f64], v: &[f64], force: &mut [f64]) -> Result<(), Halt> {
-        force.copy_from_slice(self.model.constant_load.as_slice());
+        force.copy_from_slice(self.constant_load.as_slice());
         let reference = self.reference_shaft(elapsed);
         for load in &self.rotating_loads {
             load.apply(load.phasor(elapsed, reference.as_ref()), force);
@@ -44,10 +44,14 @@ impl EquationOfMotion<'_> {
                     bearing.apply(&self.phase(bearing.turning, elapsed), q, v, force).map_err(Halt::Touch)?;
                 }
                 Connection::Load(load) => load.apply(&self.instant(None, Some(load.shaft), elapsed), v, force),
-                Connection::Bow(bow) => bow.apply(self.phase(bow.shaft, elapsed).angle, q, force),
+                Connection::Bow(bow) => bow.apply(self.phase(bow.turning, elapsed).angle, q, force),
             }
             Ok(())
         })?;
+        if let Some(frame) = &self.frame_forces {
+            frame.stiffness.multiply_add(-1.0, q, force);
+            frame.rate.multiply_add(-1.0, v, force);
+        }
         if let Some(damping) = &self.modal_damping {
             // Columns as slices, because iterators over matrix views do not vectorise.
             for (column, rate) in damping.as_slice().chunks_exact(force.len()).zip(v) {

@@ -7,6 +7,7 @@
 mod energy;
 mod equation;
 mod first_order;
+mod frame;
 mod phase;
 mod power;
 mod rotating_load;

@@ -16,7 +16,8 @@ pub struct SourceTerms {
     pub torque: f64,
     /// Of weights.
     pub gravity: f64,
-    /// Of the drive, which turns bowed shafts and eccentric hubs, moves rolling elements and changes the stiffness of bearings.
+    /// Of the drive, which turns bowed shafts, eccentric hubs and the frames of carriers, moves rolling elements and changes the
+    /// stiffness of bearings.
     pub drive: f64,
     /// Of unbalance.
     pub unbalance: f64,
@@ -114,6 +115,10 @@ impl PowerCoordinates {
             displacements.extend(chain.coordinates::<2>());
             velocities.extend(chain.coordinates::<2>());
         }
+        if model.scene.has_turning_frame() {
+            displacements.extend(0..model.len());
+            velocities.extend(0..model.len());
+        }
         for list in [&mut displacements, &mut velocities] {
             list.sort_unstable();
             list.dedup();
@@ -184,7 +189,7 @@ impl EquationOfMotion<'_> {
         }
     }
 
-    /// Power of every source without constant loads, W: torques and forces; none for gravity; the drive, which turns bowed
+    /// Power of every source without constant loads, W: torques and forces; gravity in frames that turn; the drive, which turns bowed
     /// shafts and eccentric hubs of couplings, moves rolling elements and changes the stiffness of bearings with the speed;
     /// unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with the cross-coupling of bearings
     /// and with the power `distributed` of the distributed damping. q and v need the coordinates of [`PowerCoordinates`]; q is
@@ -208,10 +213,13 @@ impl EquationOfMotion<'_> {
         for ((shaft, bow), twist) in loads.bowed.iter().zip(along.chunks_exact(2)).zip(twists) {
             // The elastic force of the unbent shape does no work on the bow, which turns with the spin and the twist.
             let phasor = self.phasor(*shaft, elapsed) * Complex64::from_polar(1.0, *twist);
-            drive -= self.spin_at(*shaft, elapsed).0 * (bow[1] * phasor.re - bow[0] * phasor.im);
+            drive -= self.spin_in_frame(*shaft, elapsed) * (bow[1] * phasor.re - bow[0] * phasor.im);
         }
         let [turned, mut damping] = self.internal_damping_powers(elapsed, q, v);
         drive += turned;
+        if let Some(frame) = &self.frame_forces {
+            drive += frame.power(&q[..model.len()], v);
+        }
         let mut unbalance = 0.0;
         for (shaft, excitation) in &loads.unbalances {
             let (spin, rate) = self.spin_at(*shaft, elapsed);
@@ -258,7 +266,9 @@ impl EquationOfMotion<'_> {
                 Connection::Load(load) => torque += load.power(&self.instant(None, Some(load.shaft), elapsed), v),
             }
         }
-        Ok(SourceTerms { torque, gravity: 0.0, drive, unbalance, teeth, damping: -damping })
+        let weights = self.rotating_loads.iter().filter(|load| load.is_weight);
+        let gravity = weights.map(|load| load.power(load.phasor(elapsed, None), v)).sum();
+        Ok(SourceTerms { torque, gravity, drive, unbalance, teeth, damping: -damping })
     }
 
     /// Powers of the internal damping βK of shafts, W: that of the drive, which turns deflected shafts, and that which is dissipated
@@ -292,7 +302,8 @@ impl EquationOfMotion<'_> {
         let mut powers = [0.0; 2];
         for link in &self.model.links {
             if let Some(rest) = &link.rest {
-                powers[0] += link.rest_power(self.phasor(rest.shaft, elapsed), self.spin_at(rest.shaft, elapsed).0, q);
+                let spin = self.spin_in_frame(rest.shaft, elapsed);
+                powers[0] += link.rest_power(self.phasor(rest.shaft, elapsed), spin, q);
             }
             let ([[_, a], [b, _]], [y, z], [y_rate, z_rate]) = (link.local.stiffness, link.scalars(q), link.scalars(v));
             powers[1] += (a - b) / 2.0 * (y_rate * z - z_rate * y);

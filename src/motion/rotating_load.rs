@@ -1,4 +1,5 @@
-//! Loads that rotate with a shaft: bow, unbalance and forces that turn with it. Every method takes them from here.
+//! Loads that rotate with a shaft: bow, unbalance and forces that turn with it. Every method takes them from here. In a frame that
+//! turns, ϑ is the angle of the shaft relative to this frame, and Ω_s still its speed.
 //!
 //! At a constant speed, one load of a shaft has the force Re(a e^{iϑ}) along v and Im(a e^{iϑ}) along w at each node,
 //! where a = K_s b + F + U Ω_s². At a changing speed a shaft has up to two loads: a = K_s b + F with the phasor e^{iϑ}, and
@@ -22,27 +23,38 @@ enum Scaling {
 /// A load that rotates with a shaft.
 #[derive(Clone, Debug)]
 pub struct RotatingLoad {
-    /// Index of the shaft.
+    /// Index of the shaft; of a weight, that of the carrier.
     pub shaft: usize,
-    /// Signed speed of the shaft, rad/s; the largest one of the run if it changes.
+    /// Signed speed of the shaft relative to the frame of its lateral motion, rad/s; the largest one of the run if it changes.
     pub spin: f64,
-    /// Ratio of the speed of the shaft to that of the reference shaft.
+    /// Ratio of this speed to that of the reference shaft.
     ratio: f64,
-    /// Phasor e^{iϑ} of the shaft at elapsed time zero.
+    /// Phasor e^{iϑ} of the shaft in this frame at elapsed time zero.
     at_origin: Complex64,
     scaling: Scaling,
+    /// Whether it is the weight in a frame that turns, in which its direction turns backwards.
+    pub is_weight: bool,
     /// Amplitudes a, N or N m (kg m of an unbalance at a changing speed), each with the index of its coordinate along v;
     /// that along w has the next index.
     amplitudes: Vec<(usize, Complex64)>,
 }
 
 impl RotatingLoad {
-    /// The rotating loads of all shafts at a constant speed: one for each shaft that has some. `spins` [rad/s] and
-    /// `at_origin` (phasors at elapsed time zero) are those of the shafts.
+    /// The rotating loads of all shafts at a constant speed: one for each shaft that has some, and the weight in each frame that turns. `spins` [rad/s] and
+    /// `at_origin` (phasors at elapsed time zero) have the order of [`Model::turning_ratio`].
     pub(super) fn at_constant_speed(model: &Model, spins: &[f64], at_origin: &[Complex64]) -> Vec<Self> {
         let amplitude = |excitation: &Excitation, spin: f64| excitation.amplitude(spin, 0.0);
         let shafts = 0..model.shafts.len();
         let loads = shafts.map(|shaft| Self::new(model, shaft, Scaling::Constant, spins, at_origin, amplitude));
+        let loads = loads.chain(model.scene.carriers().into_iter().map(|carrier| Self {
+            shaft: carrier,
+            spin: -spins[carrier],
+            ratio: -model.shafts[carrier].ratio,
+            at_origin: at_origin[carrier].conj(),
+            scaling: Scaling::Constant,
+            is_weight: true,
+            amplitudes: model.weight_in_frame(carrier),
+        }));
         loads.filter(|load| !load.amplitudes.is_empty()).collect()
     }
 
@@ -69,10 +81,12 @@ impl RotatingLoad {
         at_origin: &[Complex64],
         amplitude: impl Fn(&Excitation, f64) -> Complex64,
     ) -> Self {
-        let (spin, ratio) = (spins[shaft], model.shafts[shaft].ratio);
         let excitations = model.shafts[shaft].excitations.iter();
-        let amplitudes = excitations.map(|excitation| (excitation.index, amplitude(excitation, spin))).collect();
-        Self { shaft, spin, ratio, at_origin: at_origin[shaft], scaling, amplitudes }
+        let amplitudes =
+            excitations.map(|excitation| (excitation.index, amplitude(excitation, spins[shaft]))).collect();
+        let turning = model.in_frame(shaft);
+        let (spin, ratio, at_origin) = (spins[turning], model.turning_ratio(turning), at_origin[turning]);
+        Self { shaft, spin, ratio, at_origin, scaling, is_weight: false, amplitudes }
     }
 
     /// The columns of the load over the coordinates, as entries (index, force): the factors of real and imaginary part of
@@ -100,6 +114,15 @@ impl RotatingLoad {
             }
             _ => phasor,
         }
+    }
+
+    /// Power of the load at a phasor, W, for velocities v.
+    pub(super) fn power(&self, phasor: Complex64, v: &[f64]) -> f64 {
+        let force = |(index, amplitude): &(usize, Complex64)| {
+            let force = amplitude * phasor;
+            force.re * v[*index] + force.im * v[*index + 1]
+        };
+        self.amplitudes.iter().map(force).sum()
     }
 
     /// Adds the load at a phasor to the generalised forces.

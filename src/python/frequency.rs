@@ -13,7 +13,7 @@ use crate::analysis::{
     ResponsePoint, Threads, product,
 };
 use crate::modal::{self, CachedModel};
-use crate::model::Model;
+use crate::model::{Model, ShaftModel};
 use crate::numerics::Sample;
 use crate::scene::{EntryPath, Node, Scene, SceneDescription, SceneError, description, range_with_rpm, with_rpm};
 
@@ -156,7 +156,7 @@ pub fn synchronous<'py>(
     let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
     let assembled = model.model();
     let sources: Vec<_> = (0..assembled.shafts.len()).map(|shaft| HarmonicSource::Shaft { shaft, part }).collect();
-    let ratios: Vec<f64> = assembled.shafts.iter().map(|shaft| shaft.ratio).collect();
+    let ratios: Vec<f64> = assembled.shafts.iter().map(ShaftModel::ratio_in_frame).collect();
     let lines = ratios.iter().map(|ratio| speeds.iter().map(|speed| ratio * speed).collect()).collect();
     let request = ResponseRequest { argument: "speeds", speeds: speeds.clone(), lines, sources };
     let (table, unstable) = request.run(model, py, threads, move |cached, table, threads, interrupt| {

@@ -17,7 +17,7 @@ use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::mesh::MeshLoss;
 use crate::modal::{self, AtSpeed, CachedModel, DampedMotions, ModeSelection};
-use crate::model::Model;
+use crate::model::{Model, ShaftModel};
 use crate::scene::{EntryPath, Node, SceneDescription, SceneError, description, nearest};
 
 /// Angles at which a static equilibrium gives the contact forces of a ring. The mean of their power 9/2 has converged to 1e-6.
@@ -189,6 +189,12 @@ impl PyModel {
     #[getter]
     fn shafts(&self) -> Vec<String> {
         self.model().scene.shafts.iter().map(|shaft| shaft.name.clone()).collect()
+    }
+
+    /// Speeds of the shafts relative to the frames of their lateral motion, over that of the reference shaft.
+    #[getter]
+    fn ratios_in_frames<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.model().shafts.iter().map(ShaftModel::ratio_in_frame))
     }
 
     #[getter]
@@ -463,6 +469,7 @@ impl PyModel {
             dict.set_item("without_null_motions", outside_vector(py, &model.numbering, &moved))?;
             (q, Vec::new())
         } else {
+            model.scene.refuse_turning_weight()?;
             self.warn_of_ill_conditioning(py, speed, Dense::Bands)?;
             self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
                 let found = analysis::equilibrium(cached, geometry, speed)?;

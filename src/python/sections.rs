@@ -57,6 +57,7 @@ pub fn static_forces<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let model = model.model();
     let found = cuts(model, shaft, positions)?;
+    model.scene.refuse_section_forces(shaft)?;
     let displacement = model.numbering.in_core_order(state.as_slice()?);
     let rest = vec![0.0; displacement.len()];
     let motion = Moving { displacement: &displacement, velocity: &rest, acceleration: &rest };
@@ -90,6 +91,7 @@ pub fn harmonic_forces<'py>(
 ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
     let model = model.model();
     let found = cuts(model, shaft, positions)?;
+    model.scene.refuse_section_forces(shaft)?;
     let mut forces = Vec::with_capacity(motions.frequencies.len() * found.len() * SECTION_FORCES);
     let phasors = motions.phasors.as_array();
     let rows = phasors.rows().into_iter().zip(&motions.frequencies).zip(&motions.speeds).zip(&motions.bowed);

@@ -66,7 +66,6 @@ struct Given {
 impl Given {
     fn new(model: &PyModel, sources: &[description::Source], outputs: &Outputs<'_>) -> Result<Self, SceneError> {
         let assembled = model.model();
-        assembled.scene.refuse_turning_frame("sensitivity or harmonic response")?;
         let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
         let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
         Ok(Self { cached: Arc::clone(&model.cached), sources, outputs: outputs.parse(assembled)? })

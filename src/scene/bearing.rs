@@ -2,9 +2,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use num_complex::Complex64;
+
 use super::place::Names;
 use super::{
-    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft,
+    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft, complex,
     description, nonlinear,
 };
 
@@ -27,6 +29,8 @@ pub struct Bearing {
     pub tilting: [f64; 2],
     /// Loss factor η of the stiffness.
     pub loss_factor: f64,
+    /// Displacement of what it stands on from the place in the drawing, y + iz, m: without force, the shaft is there.
+    pub misalignment: Complex64,
     /// Its place on a housing or on another shaft; `None` on the ground.
     pub attachment: Option<Attachment>,
 }
@@ -44,6 +48,11 @@ impl Bearing {
     /// damping beside the force of its elements.
     pub fn has_constant_part(&self) -> bool {
         self.nonlinear.is_none() || self.ring().is_some()
+    }
+
+    /// Whether it is a linear element between the shaft and the ground without a force in the drawing.
+    pub fn is_plain_support(&self) -> bool {
+        self.attachment.is_none() && self.misalignment == Complex64::ZERO
     }
 
     /// Its nodes: that of its shaft and, for a bearing between two shafts, that of the other one, such as the carrier of a planet.
@@ -85,6 +94,7 @@ pub(super) fn bearings(
                 &at,
             )?,
             loss_factor: loss_factor(bearing, &at)?,
+            misalignment: misalignment(bearing, &at)?,
             attachment: attachments[index],
         })
     };
@@ -119,6 +129,20 @@ fn loss_factor(given: &description::Bearing, at: &EntryPath) -> Result<f64, Scen
         }
         factor => place.non_negative(factor.unwrap_or(0.0)),
     }
+}
+
+/// The misalignment of a linear bearing with constant coefficients.
+fn misalignment(given: &description::Bearing, at: &EntryPath) -> Result<Complex64, SceneError> {
+    let place = at.field("misalignment");
+    let found = complex(given.misalignment, &place)?;
+    let is_constant = |coefficient: Option<&description::BearingCoefficient>| {
+        BearingCoefficient::new(coefficient, at).is_ok_and(|coefficient| coefficient.constant().is_some())
+    };
+    let coefficients = [given.stiffness.as_ref(), given.damping.as_ref()];
+    if given.misalignment.is_some() && (given.stiffness.is_none() || !coefficients.into_iter().all(is_constant)) {
+        return Err(place.error("is that of a linear bearing with constant stiffness and damping; remove it"));
+    }
+    Ok(found)
 }
 
 /// Stiffness and damping of a bearing in one direction; zero where the description gives none.

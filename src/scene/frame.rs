@@ -3,9 +3,14 @@
 //! Pins and meshes of planets have fixed directions in the frame of their carrier. What couples shafts laterally to them must then be
 //! the same in all directions, so that the coefficients are constant in this frame.
 
+use std::collections::BTreeSet;
+
+use super::description::Place;
 use super::{Attachment, Bearing, Coupling, EntryPath, Matrix2, Mesh, Node, Scene, SceneError, VaryingLoad};
 use crate::numerics::EQUALITY_TOLERANCE;
 
+/// Why something with a direction of its own is refused in a frame that turns.
+const FIXED: &str = "has a fixed direction, and planets that turn with their carrier are coupled laterally to it";
 /// What still works where planets cannot move laterally.
 const IN_TORSION: &str = "leave out the bearings of the planets to couple this stage in torsion only";
 
@@ -33,9 +38,32 @@ impl Scene {
         self.frames.iter().any(Option::is_some)
     }
 
+    /// Shaft of the carrier with which the frame of the lateral motion of a shaft turns.
+    pub fn frame_of(&self, shaft: usize) -> Option<usize> {
+        self.frames.get(shaft).copied().flatten()
+    }
+
+    /// Shafts of the carriers with which frames turn, ascending.
+    pub fn carriers(&self) -> BTreeSet<usize> {
+        self.frames.iter().copied().flatten().collect()
+    }
+
+    /// Refuses an equilibrium with weight in a frame that turns.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of the gravity.
+    pub fn refuse_turning_weight(&self) -> Result<(), SceneError> {
+        if self.gravity != [0.0; 2] && self.has_turning_frame() {
+            return Err(EntryPath::root("gravity").error(format!(
+                "{FIXED}, so that there is no equilibrium in their frame; use simulate() or steady_state(), or leave it out"
+            )));
+        }
+        Ok(())
+    }
+
     /// Speed of the frame of a shaft over that of the reference shaft.
     pub fn frame_ratio(&self, shaft: usize) -> f64 {
-        self.frames.get(shaft).copied().flatten().map_or(0.0, |carrier| self.speed_ratios[carrier])
+        self.frame_of(shaft).map_or(0.0, |carrier| self.speed_ratios[carrier])
     }
 
     /// Refuses an analysis whose loads or results have directions that do not turn with the carrier of planets.
@@ -46,10 +74,59 @@ impl Scene {
         let pin = |bearing: &Bearing| matches!(bearing.attachment, Some(Attachment::Pin { .. }));
         match self.bearings.iter().position(pin).filter(|_| self.lateral) {
             Some(index) => Err(EntryPath::entry("bearings", index).error(format!(
-                "lets a planet move laterally on a carrier that turns, for which gearbow has modes(), campbell() and static(), and no {analysis}; {IN_TORSION}",
+                "lets a planet move laterally on a carrier that turns, for which gearbow has no {analysis}; {IN_TORSION}",
             ))),
             None => Ok(()),
         }
+    }
+
+    /// Refuses a lateral force with a fixed direction in a frame that turns; one on a planet or its carrier turns with the carrier.
+    ///
+    /// # Errors
+    /// [`SceneError`] at `at`.
+    pub(crate) fn refuse_fixed_force(&self, place: &Place, at: &EntryPath<'_>) -> Result<(), SceneError> {
+        let shaft = match place {
+            Place::Shaft(name, _) => self.shaft(name),
+            Place::Body(name) => self.body(name).map(|body| body.node.shaft),
+        };
+        match shaft.filter(|shaft| self.frame_of(*shaft).is_some() && !self.is_carried(*shaft)) {
+            Some(shaft) => Err(at.error(format!(
+                "{FIXED} by the shaft \"{}\", so that it has two frequencies in their frame; give a force on a planet or on the carrier, whose direction turns with the carrier, or {IN_TORSION}",
+                self.shafts[shaft].name
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a lateral motion of the ground below a frame that turns.
+    ///
+    /// # Errors
+    /// [`SceneError`] at `at`.
+    pub(crate) fn refuse_fixed_motion(&self, at: &EntryPath<'_>) -> Result<(), SceneError> {
+        if self.has_turning_frame() {
+            return Err(at.error(format!(
+                "a lateral motion of the ground {FIXED}, so that it has two frequencies in their frame; give another source, or {IN_TORSION}"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Refuses section forces of a state or of phasors in a frame that turns, which leave out the inertia of this rotation.
+    ///
+    /// # Errors
+    /// [`SceneError`] for a shaft in such a frame.
+    pub fn refuse_section_forces(&self, shaft: &str) -> Result<(), SceneError> {
+        if self.shaft(shaft).and_then(|index| self.frame_of(index)).is_some() {
+            return Err(EntryPath::root("shaft").error(format!(
+                "\"{shaft}\" moves in the frame of a carrier that turns, where only runs have section forces; record \"section_forces\" in simulate()"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Whether a shaft is a carrier that turns, or a planet on it.
+    fn is_carried(&self, shaft: usize) -> bool {
+        self.frame_of(shaft) == Some(shaft) || self.carrier_of(shaft).is_some()
     }
 
     /// Shaft of the planet of a mesh with a carrier: the one on a pin, or that of the driven gear.
@@ -71,7 +148,7 @@ impl Scene {
             let still = gears.into_iter().find(|body| self.only_twists(body.node.shaft));
             if let Some(body) = still.filter(|_| self.acts_laterally(mesh)) {
                 return Err(EntryPath::entry("meshes", index).error(format!(
-                    "the planet moves laterally on its bearings, and \"{}\" on the shaft \"{}\" cannot; give its shaft bearings, which a ring at rest has on a shaft with speed_ratio=0, or {IN_TORSION}",
+                    "the planet moves laterally on its bearings, and \"{}\" on the shaft \"{}\" cannot; give its shaft bearings, or a ring on the ground a lateral_stiffness, or {IN_TORSION}",
                     body.name, self.shafts[body.node.shaft].name
                 )));
             }
@@ -129,12 +206,11 @@ impl Scene {
     fn check_frames(&self) -> Result<(), SceneError> {
         let turns = |shaft: usize| self.frames[shaft].is_some();
         let name = |shaft: usize| &self.shafts[shaft].name;
-        let fixed = "has a fixed direction, and planets that turn with their carrier are coupled laterally to it";
         for (index, mesh) in self.meshes.iter().enumerate().filter(|(_, mesh)| mesh.carrier.is_none()) {
             let gears = [mesh.driver, mesh.driven].map(|gear| self.gears[gear].body.node.shaft);
             if let Some(shaft) = gears.into_iter().find(|shaft| turns(*shaft)) {
                 return Err(EntryPath::entry("meshes", index).error(format!(
-                    "{fixed} by the shaft \"{}\"; separate them by a coupling with torsional stiffness only, or {IN_TORSION}",
+                    "{FIXED} by the shaft \"{}\"; separate them by a coupling with torsional stiffness only, or {IN_TORSION}",
                     name(shaft)
                 )));
             }
@@ -150,7 +226,7 @@ impl Scene {
             let on_pin = matches!(bearing.attachment, Some(Attachment::Pin { .. }));
             if matches!(bearing.attachment, Some(Attachment::Housing { .. })) {
                 return Err(at.field("support").error(format!(
-                    "a support or housing {fixed} by the shaft \"{shaft}\"; let the bearing stand on the ground, or {IN_TORSION}",
+                    "a support or housing {FIXED} by the shaft \"{shaft}\"; let the bearing stand on the ground, or {IN_TORSION}",
                 )));
             }
             if !bearing.has_constant_part() || bearing.nonlinear.is_some() {
@@ -162,6 +238,11 @@ impl Scene {
                 return Err(at.error(format!(
                     "on the shaft \"{shaft}\" is not the same in all directions, and planets that turn with their carrier are coupled laterally to it; give an isotropic bearing, or {IN_TORSION}",
                 )));
+            }
+            if !on_pin && bearing.misalignment.norm() != 0.0 {
+                return Err(at
+                    .field("misalignment")
+                    .error(format!("{FIXED} by the shaft \"{shaft}\"; leave it out, or {IN_TORSION}")));
             }
             if bearing.loss_factor != 0.0 {
                 return Err(at.field("loss_factor").error("has no meaning in the frame of a carrier that turns, where frequencies differ from those of the bearing; give a damping"));
@@ -176,13 +257,10 @@ impl Scene {
             let is_aligned = coupling.offset.norm() == 0.0 && coupling.angle.norm() == 0.0;
             if turns(coupling.hubs[0].shaft) && !is_aligned {
                 return Err(EntryPath::entry("couplings", index).error(format!(
-                    "its misalignment {fixed} by the shaft \"{}\"; leave it out, or {IN_TORSION}",
+                    "its misalignment {FIXED} by the shaft \"{}\"; leave it out, or {IN_TORSION}",
                     name(coupling.hubs[0].shaft)
                 )));
             }
-        }
-        if self.gravity != [0.0; 2] {
-            return Err(EntryPath::root("gravity").error(format!("{fixed}; leave it out, or {IN_TORSION}")));
         }
         if !self.modal_damping.is_zero() {
             return Err(EntryPath::root("modal_damping").error("is that of modes at rest, and planets that turn with their carrier have others; give damping of bearings and meshes, or rayleigh"));
@@ -190,10 +268,9 @@ impl Scene {
         for (index, force) in self.forces.iter().enumerate().filter(|(_, force)| !force.turns) {
             let shaft = force.node.shaft;
             // A force on a planet or its carrier turns with the carrier.
-            let is_carried = self.frames[shaft] == Some(shaft) || self.carrier_of(shaft).is_some();
-            if force.value.norm() != 0.0 && turns(shaft) && !is_carried {
+            if force.value.norm() != 0.0 && turns(shaft) && !self.is_carried(shaft) {
                 return Err(EntryPath::entry("forces", index).error(format!(
-                    "{fixed} by the shaft \"{}\"; give a force on a planet or on the carrier, whose direction turns with the carrier, or {IN_TORSION}",
+                    "{FIXED} by the shaft \"{}\"; give a force on a planet or on the carrier, whose direction turns with the carrier, or {IN_TORSION}",
                     name(shaft)
                 )));
             }
@@ -202,7 +279,7 @@ impl Scene {
         match self.varying_loads.iter().find(acts) {
             Some(load) => Err(SceneError::new(
                 load.path.clone(),
-                format!("{fixed} by the shaft \"{}\"; leave it out, or {IN_TORSION}", name(load.node.shaft)),
+                format!("{FIXED} by the shaft \"{}\"; leave it out, or {IN_TORSION}", name(load.node.shaft)),
             )),
             None => Ok(()),
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::common::{Noise, cached, everything, largest, motion, train};
-use gearbow::analysis::{ExcitationPart, equilibrium, synchronous};
+use gearbow::analysis::equilibrium;
 use gearbow::exponential::{
     InterfaceMaps, LevelControl, Loads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper,
     TimeGrid, run,
@@ -168,12 +168,9 @@ fn equal_modes_of_coupled_planes_carry_the_motion() {
 fn field<'m>(cached: &'m CachedModel, geometry: Geometry, linear: &ModalStateSpace) -> (Loads<'m>, InterfaceMaps) {
     let reference = equilibrium(cached, geometry, SPEED).unwrap();
     let motion = motion(cached, geometry, SPEED, 0.0);
-    let mut amplitudes = synchronous(cached, SPEED, ExcitationPart::Loads).unwrap();
-    if !linear.includes_meshes {
-        for source in motion.sources() {
-            let amplitude = linear.synchronous(source.spin, &source.columns());
-            amplitudes.set_column(source.shaft, &amplitude.unwrap());
-        }
+    let mut amplitudes = DMatrix::zeros(cached.model.len(), motion.sources().len());
+    for (column, source) in motion.sources().iter().enumerate() {
+        amplitudes.set_column(column, &linear.synchronous(source.spin, &source.columns()).unwrap());
     }
     Loads::new(motion, linear, reference, &amplitudes).unwrap()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::common::{Noise, cached, motion, train};
 use allocation_counter::{AllocationInfo, measure};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, simulate};
-use gearbow::analysis::{ExcitationPart, Spectrum, equilibrium, synchronous};
+use gearbow::analysis::{Spectrum, equilibrium};
 use gearbow::exponential::{
     self, Loads, OutputMap, PropagatorCache, PropagatorKey, QuadratureRule, Selection, Stepper, TimeGrid,
 };
@@ -17,7 +17,7 @@ use gearbow::mesh::Geometry;
 use gearbow::motion::{EquationOfMotion, Profile, ShaftRotation, Speed};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::{Engagement, Stiffness, StiffnessKind, StiffnessModel};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Observes one coordinate in the middle of every step.
 struct Onlooker {
@@ -239,8 +239,12 @@ fn exponential(
     let n = cached.model.len();
     let linear = cached.linear(speed).unwrap();
     let reference = equilibrium(&cached, geometry, speed).unwrap();
-    let amplitudes = synchronous(&cached, speed, ExcitationPart::Loads).unwrap();
-    let (field, maps) = Loads::new(motion(&cached, geometry, speed, 0.0), &linear, reference, &amplitudes).unwrap();
+    let equation = motion(&cached, geometry, speed, 0.0);
+    let mut amplitudes = DMatrix::zeros(n, equation.sources().len());
+    for (column, source) in equation.sources().iter().enumerate() {
+        amplitudes.set_column(column, &linear.synchronous(source.spin, &source.columns()).unwrap());
+    }
+    let (field, maps) = Loads::new(equation, &linear, reference, &amplitudes).unwrap();
     let longest = if rule.explicit { 2e-6 } else { 2e-5 };
     let substep = (longest * linear.radius / 0.8).log2().ceil().max(4.0) as usize;
     let time_grid = TimeGrid { longest, finest: substep + 12, substep };

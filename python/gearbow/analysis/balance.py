@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, Generic, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array
+from gearbow._convert import array, nearest, nodal, one_of
 from gearbow._core import require_memory
-from gearbow._lookup import nearest, nodal, one_of
 from gearbow._progress import working
 from gearbow._result import Column, Figured, WithSpeeds, Written, in_degrees
 from gearbow._shown import ReadOnly
@@ -163,13 +162,7 @@ def balance(  # numpydoc ignore=PR01
     -------
     Balance
         Least-squares unbalances over points and speeds, predicted residual, and the system with
-        the correction. The correction adds to the unbalance of a gear or disk, or is a new disk
-        without mass.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
+        the correction: added to the unbalance of a gear or disk, or a new disk without mass.
     """
     one_of(target, get_args(BalanceTarget), "target")
     chosen = places(planes, "planes")

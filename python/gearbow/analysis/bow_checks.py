@@ -10,7 +10,7 @@ import numpy as np
 from gearbow._core import mesh_geometry
 from gearbow._types import Array, MeshGeometry
 from gearbow.analysis.bow_motion import BowMotion, BowSignal, Margin
-from gearbow.description.bow_limit import VELOCITIES, BowLimit, largest_displacement
+from gearbow.description.bow import VELOCITIES, BowLimit, largest_displacement
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import ratios_by_shaft
@@ -435,7 +435,6 @@ def _mesh_force(motion: BowMotion, limit: BowLimit, teeth: _Teeth) -> Check:
 def _bearing(
     motion: BowMotion, limit: BowLimit, kind: type[_Kind] | tuple[type[_Kind], ...]
 ) -> _Kind:
-    """Give the bearing of a limit."""
     for each in motion.variants.base.bearings:
         here = Places("bearing", [[(each.shaft, each.position)]]).find(limit.at) == 0
         if isinstance(each, kind) and here:

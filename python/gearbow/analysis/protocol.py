@@ -7,12 +7,11 @@ from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 from gearbow._core import Model
-from gearbow._types import Array, Dof, Excitation, Geometry, Plain
+from gearbow._types import Excitation, Geometry, Plain
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.loads import AnyBearing, Coupling, Force, Torque
-from gearbow.description.places import Housing
-from gearbow.description.shafts import Notch, Shaft, Sleeve
+from gearbow.description.layout import Train
+from gearbow.description.loads import Torque
+from gearbow.description.shafts import Notch
 from gearbow.errors import SceneWarning
 from gearbow.results.properties import Discretisation
 from gearbow.results.response import Response
@@ -21,19 +20,10 @@ from gearbow.results.synchronous import Synchronous
 from gearbow.units.speed import SpeedUnit
 
 
-class System(Protocol):
+class System(Train, Protocol):
     """A system that can be modified and analysed; `gearbow.RotorSystem` is one."""
 
-    shafts: tuple[Shaft, ...]
-    gears: tuple[Gear, ...]
-    meshes: tuple[Mesh, ...]
-    bearings: tuple[AnyBearing, ...]
     torques: tuple[Torque, ...]
-    disks: tuple[Disk, ...]
-    housings: tuple[Housing, ...]
-    couplings: tuple[Coupling, ...]
-    forces: tuple[Force, ...]
-    sleeves: tuple[Sleeve, ...]
     notches: tuple[Notch, ...]
     reference: str | None
     accuracy: str
@@ -60,16 +50,8 @@ class System(Protocol):
         """Replace functions of time by their samples over a run."""
 
     @property
-    def dofs(self) -> tuple[Dof, ...]:
-        """Degrees of freedom."""
-
-    @property
     def discretisation(self) -> Discretisation:
         """Number and degree of the elements of every shaft."""
-
-    @property
-    def speed_ratios(self) -> Array:
-        """Signed speed of each shaft over that of the reference shaft."""
 
     def replace(self, **changes: Any) -> Any:
         """Make a system with other parts or options."""

@@ -22,22 +22,24 @@ from gearbow.cli.arguments import (
     items,
     named_item,
     output,
+    read_options,
     read_run,
+    read_system,
+    refuse_options,
     spaced,
     speed_line,
+    speed_of_file,
 )
-from gearbow.cli.systems import read_options, read_system, refuse_options, speed_of_file
 from gearbow.description.layout import ratios_by_shaft
-from gearbow.description.loads import Force, Torque
+from gearbow.description.loads import Force, MeshExcitation, Source, Torque
 from gearbow.description.places import is_pair, is_place, place_label
-from gearbow.description.sources import MeshExcitation, Source
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError
 from gearbow.exchange.rexs import RexsContents, rexs_contents
 from gearbow.identification.identify import identify as identified
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.unknown import parse
-from gearbow.machines.examples import example, scene_files
+from gearbow.machines.examples import described, example, scene_files
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
 from gearbow.studies.result import Tradeoff
@@ -76,18 +78,28 @@ class Answer:
 def _answer(
     given: argparse.Namespace,
     found: Any,
-    data: dict[str, Any],
     speeds: Sequence[float],
     *lines: str,
     draw: "Callable[[], Figure] | None" = None,
+    **data: Any,
 ) -> Answer:
     """Answer with the table of a result between the speeds and further lines."""
+    # The schema names the data, which are those of the result unless the command gives them.
+    names = _schemas()["properties"][given.command]["properties"]
+    data = _fields(found, *(name for name in names if hasattr(found, name))) | data
     head = [speed_line(*speeds)] if speeds else []
     for name in ("figure", "out"):
         if name in given:
             file = getattr(given, name)
             data["file"] = None if file is None else str(file)
+    if draw is None and "figure" in given:
+        draw = found.plot
     return Answer("\n".join([*head, found.table(), *lines]), data, draw)
+
+
+def _schemas() -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(SCHEMAS.read_text(encoding="utf-8"))
+    return found
 
 
 def _fields(found: object, *names: str) -> dict[str, Any]:
@@ -99,11 +111,8 @@ def new(given: argparse.Namespace) -> Answer:
     path, _ = check_name(given.path, [".toml"])
     if path.exists() and not given.force:
         raise SceneError(f"{path}: exists; give another name, or --force to replace it")
-    source, speed = EXAMPLE, "1500 rpm"
-    if given.example is not None:
-        machine = example(given.example)
-        source = machine.path
-        speed = speed_text(machine.speed, given_unit(machine.speed) or "rad/s")
+    machine = described(EXAMPLE) if given.example is None else example(given.example)
+    source, speed = machine.path, speed_text(machine.speed, given_unit(machine.speed) or "rad/s")
     # A scene names the files of its elastic housings, which stand beside it.
     bodies = source.parent.glob(f"{source.stem}.housing*.npz")
     for given_file, target in (
@@ -231,8 +240,8 @@ def modes(given: argparse.Namespace) -> Answer:
     found = read_system(given).modes(given.speed, count=given.count, vibrating=given.vibrating)
     rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
     keys = ("frequency_hz", "damping_ratio", "whirl", "name")
-    data = {"speed": given.speed, "modes": [dict(zip(keys, row, strict=True)) for row in rows]}
-    return _answer(given, found, data, [given.speed] if given.speed else [])
+    listed = [dict(zip(keys, row, strict=True)) for row in rows]
+    return _answer(given, found, [given.speed] if given.speed else [], modes=listed)
 
 
 def campbell(given: argparse.Namespace) -> Answer:
@@ -240,45 +249,36 @@ def campbell(given: argparse.Namespace) -> Answer:
     speeds = spaced(given)
     found = read_system(given).campbell(speeds, count=given.count, harmonics=given.harmonics)
     keys = ("speed", "frequency_hz", "damping_ratio", "whirl", "mode")
-    data = {
-        **_fields(found, "speeds", "frequencies_hz", "damping_ratios", "thresholds"),
-        "intersections": [
-            {**_fields(one, *keys), "excited_by": one.line.name} for one in found.intersections
-        ],
-    }
-    return _answer(given, found, data, (given.first, given.last), draw=found.plot)
+    crossings = [
+        {**_fields(one, *keys), "excited_by": one.line.name} for one in found.intersections
+    ]
+    return _answer(given, found, (given.first, given.last), intersections=crossings)
 
 
 def efficiency(given: argparse.Namespace) -> Answer:
     """Find the losses of the meshes."""
-    found = read_system(given).efficiency(given.speed)
-    keys = ("speeds", "input_power", "power", "force", "coefficient", "loss", "efficiency")
-    return _answer(given, found, _fields(found, "meshes", *keys), given.speed, draw=found.plot)
+    return _answer(given, read_system(given).efficiency(given.speed), given.speed)
 
 
 def life(given: argparse.Namespace) -> Answer:
     """Find the life of the rolling bearings."""
     options = _fields(given, "speed", "spectrum", "factor", "reliability")
     found = read_system(given).bearing_life(**options)
-    data = _fields(found, "factor", "reliability", "torque_at", "bearings", "cases", "notes")
     speeds = [given.speed] if given.spectrum is None else [case[0] for case in given.spectrum]
-    return _answer(given, found, data, speeds, draw=found.plot)
+    return _answer(given, found, speeds)
 
 
 def stresses(given: argparse.Namespace) -> Answer:
     """Find the stresses of the shafts."""
     options = _fields(given, "endurance_limit", "tensile_strength", "line")
     found = read_system(given).stresses(given.speed, **options)
-    keys = ("sections", "radius", "fibre", "bending", "axial", "torsion", "amplitude", "mean")
-    data = _fields(found, *keys, "utilisation", "notches", "left_out")
-    return _answer(given, found, data, [given.speed], draw=found.plot)
+    return _answer(given, found, [given.speed])
 
 
 def bow_limits(given: argparse.Namespace) -> Answer:
     """Find the limits of a bow."""
     found = read_system(given).bow_limits(given.shaft, given.speed, phase=given.phase)
-    data = {**_fields(found, "shafts", "present"), "limits": found.found}
-    return _answer(given, found, data, given.speed, draw=found.plot)
+    return _answer(given, found, given.speed, limits=found.found)
 
 
 def response(given: argparse.Namespace) -> Answer:
@@ -309,7 +309,6 @@ def response(given: argparse.Namespace) -> Answer:
 
 
 def _source(text: str) -> Source:
-    """Read a source."""
     if "/" in text:
         return MeshExcitation(text)
     place, _, direction = text.rpartition(":")
@@ -358,7 +357,6 @@ def run(given: argparse.Namespace) -> Answer:
 
 
 def _saved(found: Response, given: argparse.Namespace, *, complete: bool) -> Answer:
-    """Save a response, and describe it."""
     ends = [given.speed] + ([] if given.end_speed is None else [given.end_speed])
     found.speed_unit = given_unit(ends) or found.speed_unit
     data = {
@@ -372,7 +370,7 @@ def _saved(found: Response, given: argparse.Namespace, *, complete: bool) -> Ans
     }
     lines = [f"{found.statistics.steps} steps, {len(found.events)} events"]
     lines += _save(found, given)
-    return _answer(given, found, data, ends, *lines, draw=lambda: found.plot(given.kind))
+    return _answer(given, found, ends, *lines, draw=lambda: found.plot(given.kind), **data)
 
 
 def steady(given: argparse.Namespace) -> Answer:
@@ -383,7 +381,6 @@ def steady(given: argparse.Namespace) -> Answer:
     multipliers = found.multipliers()
     largest = float(abs(multipliers[0])) if multipliers.size else None
     data = {
-        **_fields(found, "period", "residual", "method"),
         "accuracy": found.response._level,
         "stable": found.is_stable(),
         "instability": found.instability(),
@@ -393,7 +390,7 @@ def steady(given: argparse.Namespace) -> Answer:
     state = "stable" if found.is_stable() else f"unstable: {found.instability()}"
     size = "below 0.9" if largest is None else f"{largest:.6g}"
     line = f"{state}; magnitude of the largest multiplier {size}"
-    return _answer(given, found, data, [given.speed], line, *_save(found, given))
+    return _answer(given, found, [given.speed], line, *_save(found, given), **data)
 
 
 def _save(found: Response | SteadyState, given: argparse.Namespace) -> list[str]:
@@ -405,7 +402,6 @@ def _save(found: Response | SteadyState, given: argparse.Namespace) -> list[str]
 
 
 def _signals(response: Response) -> dict[str, Any]:
-    """Describe the recorded signals."""
     points, meshes, bearings = {}, {}, {}
     recorded: list[Any] = response.recorded
     for one in recorded:
@@ -446,11 +442,9 @@ def tradeoff(given: argparse.Namespace) -> Answer:
 
 
 def _trials(found: Tradeoff[RotorSystem], given: argparse.Namespace) -> Answer:
-    """Describe the trials of a study."""
     keys = ("model", "method", "model_error", "errors", "error", "seconds", "rate", "steps")
     front = found.front()
-    data = {
-        **_fields(found, "duration", "speed", "signals"),
+    data: dict[str, Any] = {
         "uncertainty": found.floor,
         "trials": [
             {**_fields(trial, *keys), "setting": str(trial), "front": trial in front}
@@ -458,7 +452,7 @@ def _trials(found: Tradeoff[RotorSystem], given: argparse.Namespace) -> Answer:
         ],
         "skipped": [str(skipped) for skipped in found.skipped],
     }
-    return _answer(given, found, data, [found.speed])
+    return _answer(given, found, [found.speed], **data)
 
 
 def orders(given: argparse.Namespace) -> Answer:
@@ -509,7 +503,8 @@ def identify(given: argparse.Namespace) -> Answer:
     measured = [Measurement.read_csv(path, detection=given.detection) for path in given.measured]
     system = read_system(given)
     found = identified(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
-    return _answer(given, found, dict(found.to_dict()), [], draw=found.plot)
+    data: dict[str, Any] = found.to_dict()
+    return _answer(given, found, [], **data)
 
 
 def skill(_: argparse.Namespace) -> Answer:
@@ -519,7 +514,7 @@ def skill(_: argparse.Namespace) -> Answer:
 
 def schema(given: argparse.Namespace) -> Answer:
     """Print the JSON schema of what a command prints."""
-    schemas = json.loads(SCHEMAS.read_text(encoding="utf-8"))
+    schemas = _schemas()
     known = schemas["properties"]
     if given.of not in known:
         raise SceneError(f"COMMAND: must be one of {', '.join(known)}, got {given.of!r}")

@@ -258,7 +258,7 @@ COMMANDS = (
         option("--from", "default: 1Hz", quantity("frequency"), default="1Hz", dest="first"),
         option("--to", "for example 5kHz", quantity("frequency"), required=True, dest="last"),
         number("--points", 1000, "number of frequencies"),
-        option("--speed", 'for example "1500 rpm"; default: 0', quantity("speed"), default=0.0),
+        option("--speed", 'for example "1500 rpm"; default: 0', speed, default=0.0),
         drawn("--plot", "write a Bode plot to this file"),
     ),
     Command(

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 #: Exit codes: a computation failed, the input is invalid, Ctrl-C, the reader of the output has
 #: ended (SIGPIPE), SIGTERM.
 FAILED, INVALID, STOPPED, UNREAD, TERMINATED = 1, 2, 130, 141, 143
+#: Commands of which the help of the program shows an example.
+_FIRST = ("new", "demo", "check", "modes", "run")
 #: Options of arguments of methods with another name; the first one that the command has counts.
 _OTHER_NAMES = {
     "speeds": ("to", "speed"),
@@ -98,16 +100,13 @@ def _stopped_by_signals() -> Iterator[None]:
 
 
 def _parser() -> argparse.ArgumentParser:
+    first = "\n".join(
+        command.examples.splitlines()[0] for command in COMMANDS if command.name in _FIRST
+    )
     parser = argparse.ArgumentParser(
         prog="gearbow",
         description="Dynamics of geared shaft trains with residual bow.",
-        epilog="examples:\n"
-        "  gearbow demo\n"
-        "  gearbow new train.toml\n"
-        "  gearbow check train.toml\n"
-        '  gearbow modes train.toml --speed "1500 rpm"\n'
-        '  gearbow run train.toml --duration 0.5 --speed "1500 rpm" --out run.npz\n'
-        "\n`gearbow COMMAND --help` describes a command.\n"
+        epilog=f"examples:\n{first}\n\n`gearbow COMMAND --help` describes a command.\n"
         "Exit codes: 0 fine, 1 a computation failed, 2 invalid input, 130 Ctrl-C,\n"
         "141 the reader of the output has ended, 143 SIGTERM.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -242,7 +241,6 @@ def _print(text: str) -> None:
 
 
 def _fail(given: argparse.Namespace, error: Exception, code: int) -> int:
-    """Write an error as one line."""
     text = str(error) or type(error).__name__
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         text = f"{error.filename}: {error.strerror}"
@@ -254,7 +252,6 @@ def _fail(given: argparse.Namespace, error: Exception, code: int) -> int:
 
 
 def _show(given: argparse.Namespace, message: Warning | str, *_: Any) -> None:
-    """Write a warning as one line."""
     sys.stderr.write(f"warning: {_in_options(str(message), given.options)}\n")
 
 

@@ -8,13 +8,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from gearbow._lookup import nearest, nodal
+from gearbow._convert import nearest, nodal
 from gearbow._shown import Shown
 from gearbow._types import Array, At, Dof
-from gearbow.description.gears import Disk, Gear
-from gearbow.description.layout import ShearLengths, shear_lengths
-from gearbow.description.places import Housing, Places, is_place, place
-from gearbow.description.shafts import Shaft, Sleeve
+from gearbow.description.layout import ShearLengths, Train, shear_lengths
+from gearbow.description.places import Places, is_place, names_of_bases, place
 from gearbow.errors import GearbowError, SceneError
 
 #: Position of a node or ends of an element [m], direction, and a row of values.
@@ -107,20 +105,13 @@ class Coordinates(Shown):
     seats: Mapping[str, tuple[str, Array]] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(
-        cls,
-        dofs: Sequence[Dof],
-        gears: Sequence[Gear],
-        disks: Sequence[Disk],
-        *,
-        bases: Sequence[str] = (),
-        housings: Sequence[Housing] = (),
-        shafts: Sequence[Shaft] = (),
-        sleeves: Sequence[Sleeve] = (),
-    ) -> "Coordinates":
+    def of(cls, system: Train) -> "Coordinates":
         """Collect the coordinates of a system."""
-        given: list[Gear | Disk] = [*gears, *disks]
-        bodies = {body.name: (body.shaft, float(body.position)) for body in given}
+        dofs, housings = system.dofs, system.housings
+        own = (bearing.support for bearing in system.bearings)
+        bases = names_of_bases(own, *system.supports, *housings)
+        parts: Any = (*system.gears, *system.disks)
+        bodies = {body.name: (body.shaft, float(body.position)) for body in parts}
         rigid = [(name, x) for name, x, kind in nodal(dofs) if not kind.startswith("mode")]
         bodies |= {name: (name, x) for name, x in rigid if name in bases}
         points = {
@@ -128,7 +119,7 @@ class Coordinates(Shown):
             for housing in housings
             for name, point in housing.points.items()
         }
-        lengths = {shaft.name: shear_lengths(shaft, sleeves) for shaft in shafts}
+        lengths = {shaft.name: shear_lengths(shaft, system.sleeves) for shaft in system.shafts}
         seats = {
             name: (housing.name, np.array(own["rows"], dtype=np.float64))
             for housing in housings

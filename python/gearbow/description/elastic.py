@@ -234,7 +234,6 @@ class Matrices:
 
 
 def _from_file(path: str | os.PathLike[str], name: str) -> Any:
-    """Read a matrix from a file."""
     from gearbow.exchange.matrices import read_matrix  # noqa: PLC0415
 
     return read_matrix(path, name)

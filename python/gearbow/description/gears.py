@@ -18,10 +18,8 @@ class TipRelief(Part):
 
     Parameters
     ----------
-    amount : float
-        Relief at the end of the path of contact [m].
-    length : float
-        Length of the relief along the path, from either end [m].
+    amount, length : float
+        Relief at the end of the path of contact, and its length along the path from either end [m].
     shape : {"linear", "parabolic"}
         Start of the relief: with a corner, or tangent to the involute.
 
@@ -55,8 +53,7 @@ class TransmissionError(Part):
     driven : sequence of (float, float), optional
         The same for the driven shaft.
     table : sequence of float, optional
-        Values at 0, 1/n, 2/n, … of the mesh cycle [m], at least three; a periodic cubic spline goes
-        through them.
+        Values at 0, 1/n, 2/n, … of the mesh cycle [m], at least three, of a periodic cubic spline.
 
     Notes
     -----
@@ -93,8 +90,7 @@ class MeshFriction(Part):
     coefficient : float, optional
         Coefficient of friction μ; a plain number in place of a `MeshFriction` has the same meaning.
     viscosity : float, optional
-        Dynamic viscosity of the oil at its temperature in the gearbox [Pa s]; with `roughness` in
-        place of `coefficient`.
+        Dynamic viscosity of the oil at its temperature [Pa s]; with `roughness`, no `coefficient`.
     roughness : float, optional
         Arithmetic mean roughness Ra of the flanks [m].
     lubricant_factor : float, optional
@@ -139,18 +135,14 @@ class Disk(Part):
 
     Parameters
     ----------
-    name : str
-        Name, unique in the system.
-    shaft : str
-        Name of its shaft.
+    name, shaft : str
+        Name, unique in the system, and name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
     mass : float
         Mass [kg].
-    diametral_inertia : float
-        Moment of inertia about a diameter [kg m²].
-    polar_inertia : float
-        Moment of inertia about the axis [kg m²].
+    diametral_inertia, polar_inertia : float
+        Moments of inertia about a diameter and about the axis [kg m²].
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
 
@@ -175,17 +167,14 @@ class Gear(Part):
 
     Parameters
     ----------
-    name : str
-        Name, unique in the system.
-    shaft : str
-        Name of its shaft.
+    name, shaft : str
+        Name, unique in the system, and name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
     teeth : int
         Number of teeth.
     internal : bool
-        Whether the teeth point inwards: a ring gear, which turns in the same direction as its
-        pinion.
+        Whether the teeth point inwards: a ring gear, which turns like its pinion.
     module : float
         Module [m], of a helical gear the normal module; give either this or `base_radius`.
     base_radius : float
@@ -195,9 +184,8 @@ class Gear(Part):
     pressure_angle : float
         Pressure angle of the basic rack [rad], which is that in the normal section.
     helix_angle : float
-        Helix angle on the reference circle [rad], positive for a right-hand helix; gears in mesh
-        have opposite hands of the same angle, an internal gear has the hand of its pinion. A spur
-        gear has 0.
+        Helix angle on the reference circle [rad], positive for a right hand; gears in mesh have
+        opposite hands, an internal gear that of its pinion. A spur gear has 0.
     profile_shift : float
         Profile shift coefficient x; needs `module`. Meshes without `centre_distance` place the
         centres so that the flanks have no play. That of an internal gear has the sign of ISO 21771:
@@ -210,15 +198,12 @@ class Gear(Part):
         Mass [kg]; the defaults of mass and inertias are those of a solid steel disk with the
         diameter of the pitch circle, of an internal gear those of a steel ring from the pitch
         circle to 3.5 modules outside the root circle.
-    diametral_inertia : float
-        Moment of inertia about a diameter [kg m²].
-    polar_inertia : float
-        Moment of inertia about the axis [kg m²].
+    diametral_inertia, polar_inertia : float
+        Moments of inertia about a diameter and about the axis [kg m²].
     unbalance : complex
         Mass times eccentricity [kg m]; its argument is the angle in the shaft.
     runout : complex
-        Eccentricity of the base circle relative to the axis of the shaft [m]; its argument is the
-        angle in the shaft.
+        Eccentricity of the base circle to the axis [m]; its argument is the angle in the shaft.
 
     Examples
     --------
@@ -252,14 +237,11 @@ class Mesh(Part):
 
     Parameters
     ----------
-    driver : str
-        Name of the driving gear.
-    driven : str
-        Name of the driven gear.
+    driver, driven : str
+        Names of the driving and the driven gear.
     stiffness : float or Stiffness, optional
         Stiffness along the line of action, normal to the teeth: a constant [N/m], or a model. None
-        is the mean stiffness of ISO 6336-1, `Stiffness.iso6336`, which needs the face width of both
-        gears.
+        is `Stiffness.iso6336`, the mean of ISO 6336-1, with the face width of both gears.
     damping_ratio : float
         Damping ratio ζ of the damping 2ζ√(k mₑ), with the equivalent mass mₑ of the two gears on
         the line of action, all in the transverse section.

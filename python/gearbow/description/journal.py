@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import number
+from gearbow._convert import number, positive
 from gearbow._core import film_coefficients, squeeze_force
 from gearbow._extras import extra
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, FilmModel, Profile, Reduction, Rupture
 from gearbow.description.part import Part, freeze
 from gearbow.description.places import Base, Support
-from gearbow.errors import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,12 +26,8 @@ class PadFilm(ReadOnly):
 
     Parameters
     ----------
-    angles : ndarray, shape (n,)
-        Angles of the points, from y towards z [rad].
-    thickness : ndarray, shape (n,)
-        Thickness of the film [m].
-    pressure : ndarray, shape (n,)
-        Pressure above that of the surroundings [Pa].
+    angles, thickness, pressure : ndarray, shape (n,)
+        Angles from y towards z [rad], thickness of the film [m], pressure over that outside [Pa].
     pivot : float or None
         Angle of the pivot of a tilting pad [rad].
 
@@ -108,13 +103,6 @@ class FilmCoefficients(ReadOnly):
         matplotlib.figure.Figure
             The figure.
 
-        Raises
-        ------
-        ImportError
-            If matplotlib is missing.
-        GearbowError
-            If `ax` has another number of panels.
-
         Examples
         --------
         >>> import gearbow as gb
@@ -124,10 +112,10 @@ class FilmCoefficients(ReadOnly):
         >>> figure = bearing.coefficients(load=5000.0, speed=300.0).plot()
         """
         with extra("plot"):
-            from gearbow.plotting import film  # noqa: PLC0415
+            from gearbow.plotting.analyses import film  # noqa: PLC0415
         place = self.eccentricity_ratio * self.clearance
         y, z = place * np.sin(self.attitude_angle), -place * np.cos(self.attitude_angle)
-        return film.film(self.pads, (float(y), float(z)), self.clearance, ax=ax)
+        return film(self.pads, (float(y), float(z)), self.clearance, ax=ax)
 
 
 def _coefficients(
@@ -161,10 +149,8 @@ class Pad(Part):
 
     Parameters
     ----------
-    begin : float
-        Angle at which its arc begins, from y towards z [rad].
-    extent : float
-        Extent of its arc [rad], from 0.1 to 6.2, or 2π.
+    begin, extent : float
+        Angle at which its arc begins, from y towards z, and its extent, 0.1 to 6.2 or 2π [rad].
     length : float, optional
         Axial length [m]. None is that of the bearing.
     clearance : float, optional
@@ -208,10 +194,8 @@ class JournalBearing(Part):
         Name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
-    diameter : float
-        Diameter D of the journal [m].
-    length : float
-        Length L of the bearing [m].
+    diameter, length : float
+        Diameter D of the journal and length L of the bearing [m].
     clearance : float
         Radial clearance c: difference of the radii of bearing and journal [m].
     viscosity : float
@@ -222,8 +206,7 @@ class JournalBearing(Part):
         pad, for L/D from 0.1 to 2. The table is computed at the first use and kept on disk. None
         is "short" for a plain bearing and "finite" for other profiles.
     grooves : array_like, shape (k, 2), optional
-        Axial grooves of a finite film, in which the pressure is zero: angle of the middle, from y
-        towards z, and extent [rad].
+        Axial grooves of a finite film, without pressure: angle of the middle, and extent [rad].
     profile : {"plain", "two axial grooves", "lemon", "offset", "three-lobe", "four-lobe"}, optional
         Profile of the bore. Its grooves of 20° are at y and −y; a bearing with three lobes has the
         middle of one at −z, one with four lobes a groove there. The halves of "offset" are
@@ -242,10 +225,8 @@ class JournalBearing(Part):
     rupture : {"reynolds", "gumbel"}, optional
         Where a finite film ruptures: where pressure and its gradient vanish (Reynolds, the
         default), or where the pressure of a film without rupture is negative (Gümbel).
-    axial_stiffness : float
-        Stiffness along the axis of the shaft [N/m], that of a thrust bearing.
-    axial_damping : float
-        Damping along the axis of the shaft [N s/m].
+    axial_stiffness, axial_damping : float
+        Those of a thrust bearing along the axis of the shaft [N/m, N s/m].
     support : str, Support or tuple of (str, float), optional
         What it stands on, as for `Bearing`.
 
@@ -314,22 +295,18 @@ class JournalBearing(Part):
 
         Parameters
         ----------
-        load : float
-            Load of the shaft on the bearing along −z [N].
-        speed : float
-            Speed of the shaft about +x [rad/s], positive.
+        load, speed : float
+            Load along −z [N], and speed of the shaft about +x [rad/s], positive.
 
         Returns
         -------
         FilmCoefficients
-            Stiffness, damping, eccentricity ratio and attitude angle. y is across the load, z
-            along it.
+            Stiffness, damping, eccentricity ratio and attitude angle; z is along the load.
 
         Raises
         ------
         SceneError
-            If load or speed is not positive, an entry of the bearing is impossible, or the journal
-            touches the bearing.
+            If an entry of the bearing is impossible, or the journal touches the bearing.
         """
         return _coefficients(self, load, speed)
 
@@ -350,10 +327,8 @@ class TiltingPadBearing(Part):
         Name of its shaft.
     position : float
         Position on the shaft, from its left end [m].
-    diameter : float
-        Diameter D of the journal [m].
-    length : float
-        Length L of the pads [m].
+    diameter, length : float
+        Diameter D of the journal and length L of the pads [m].
     clearance : float
         Difference of the radii of a pad and the journal [m].
     viscosity : float
@@ -368,11 +343,9 @@ class TiltingPadBearing(Part):
     offset : float, optional
         Place of the pivot, as a part of the extent in the direction of rotation, by default 0.5.
     orientation : float, optional
-        Angle of the first pivot, from y towards z [rad]. None puts the load along −z between two
-        pads.
+        Angle of the first pivot, from y towards z [rad]. None puts the load between two pads.
     pad_inertia : float, optional
-        Moment of inertia of a pad about its pivot [kg m²]. Only reduced coefficients may be without
-        it.
+        Moment of inertia of a pad about its pivot [kg m²]; reduced coefficients need none.
     pivot_stiffness : float, optional
         Stiffness of a pivot along its radius [N/m]. None is a rigid pivot.
     pad_mass : float, optional
@@ -382,10 +355,8 @@ class TiltingPadBearing(Part):
         keep them as coordinates, which gives every mode the coefficients at its own frequency.
     rupture : {"reynolds", "gumbel"}, optional
         Where the films rupture, as for `JournalBearing`.
-    axial_stiffness : float
-        Stiffness along the axis of the shaft [N/m], that of a thrust bearing.
-    axial_damping : float
-        Damping along the axis of the shaft [N s/m].
+    axial_stiffness, axial_damping : float
+        Those of a thrust bearing along the axis of the shaft [N/m, N s/m].
     support : str, Support or tuple of (str, float), optional
         What it stands on, as for `Bearing`.
 
@@ -438,13 +409,10 @@ class TiltingPadBearing(Part):
 
         Parameters
         ----------
-        load : float
-            Load of the shaft on the bearing along −z [N].
-        speed : float
-            Speed of the shaft about +x [rad/s], positive.
+        load, speed : float
+            Load along −z [N], and speed of the shaft about +x [rad/s], positive.
         frequency : float, optional
-            Frequency of the vibration [rad/s] at which the motions of the pads are eliminated. None
-            is that of the rotation.
+            Frequency at which the pads are eliminated [rad/s]. None is that of the rotation.
 
         Returns
         -------
@@ -455,8 +423,7 @@ class TiltingPadBearing(Part):
         Raises
         ------
         SceneError
-            If load or speed is not positive, the frequency is negative, an entry of the bearing is
-            impossible, or the journal touches a pad.
+            If an entry of the bearing is impossible, or the journal touches a pad.
         """
         # Alone, a bearing has no coordinates: a pad may be without inertia or load.
         alone = dataclasses.replace(self, reduced="synchronous")
@@ -511,21 +478,15 @@ class SqueezeFilm(Support):
     loss_factor : float
         Loss factor η of the centring spring.
     support : str or (str, str), optional
-        Name of the housing on which the film stands, or (elastic housing, interface). None: the
-        ground.
-    diameter : float
-        Diameter of the ring [m].
-    length : float
-        Length of the film [m].
-    clearance : float
-        Radial clearance [m].
+        Name of the housing below the film, or (elastic housing, interface). None: the ground.
+    diameter, length, clearance : float
+        Diameter of the ring, length of the film and radial clearance [m].
     viscosity : float
         Dynamic viscosity μ of the oil [Pa s].
     film : {"short", "finite"}, optional
         Model of the film, as for `JournalBearing`; short by default, which has open ends.
     ruptures : bool
-        Whether the film ruptures where it is stretched (π film) or not (2π film, in oil under
-        pressure).
+        Whether the film ruptures where it is stretched (π film) or not (2π film, under pressure).
 
     Notes
     -----
@@ -574,21 +535,9 @@ class SqueezeFilm(Support):
         -------
         SqueezeCoefficients
             Stiffness and damping.
-
-        Raises
-        ------
-        SceneError
-            If the ratio is not between 0 and 1, the frequency not positive, or an entry of the film
-            is impossible.
         """
-        ratio, whirl = (
-            number(eccentricity_ratio, "eccentricity_ratio"),
-            number(frequency, "frequency"),
-        )
-        if not 0.0 < ratio < 1.0:
-            raise SceneError(f"eccentricity_ratio: must be between 0 and 1, got {ratio}")
-        if not whirl > 0.0:
-            raise SceneError(f"frequency: must be positive, got {whirl}")
+        ratio = positive(eccentricity_ratio, "eccentricity_ratio", 1.0)
+        whirl = positive(frequency, "frequency")
         plain = self._in_si("support")
         given = {"mass": 0.0, "stiffness": 0.0, **self._describe("support")}
         radius = ratio * plain.clearance

@@ -16,7 +16,7 @@ import numpy as np
 
 from gearbow._convert import whole
 from gearbow._shown import ReadOnly, Shown
-from gearbow._types import Array
+from gearbow._types import Array, Dof
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.loads import AnyBearing, Coupling, Force
 from gearbow.description.places import (
@@ -49,7 +49,15 @@ class Train(Protocol):
     meshes: tuple[Mesh, ...]
     bearings: tuple[AnyBearing, ...]
     disks: tuple[Disk, ...]
+    supports: tuple[Support, ...]
+    housings: tuple[Housing, ...]
+    couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
+    sleeves: tuple[Sleeve, ...]
+
+    @property
+    def dofs(self) -> tuple[Dof, ...]:
+        """Degrees of freedom."""
 
     @property
     def speed_ratios(self) -> Array:
@@ -330,10 +338,10 @@ def _uses_steel(shaft: Shaft) -> bool:
     return shaft.material == STEEL and any(each.material is None for each in segments_of(shaft))
 
 
-def assumptions(
-    shafts: Sequence[Shaft], gears: Sequence[Gear], meshes: Sequence[Mesh], bearings: Sequence[Any]
-) -> list[str]:
-    """List the defaults of physical models that these parts use, with the parts that use them."""
+def assumptions(system: Train) -> list[str]:
+    """List the defaults of physical models that a system uses, with the parts that use them."""
+    shafts, gears = system.shafts, system.gears
+    meshes, bearings = system.meshes, system.bearings
     steel = [shaft.name for shaft in shafts if _uses_steel(shaft)]
     tips = [gear.name for gear in gears if gear.tip_radius is None]
     disks = [gear.name for gear in gears if gear.mass is None and not gear.internal]
@@ -478,28 +486,17 @@ class Layout(Shown):
         return next(shaft for shaft in self.shafts if shaft.name == name)
 
 
-def layout(
-    shafts: Sequence[Shaft],
-    gears: Sequence[Gear],
-    disks: Sequence[Disk],
-    meshes: Sequence[Mesh],
-    bearings: Sequence[AnyBearing],
-    *,
-    centre_distances: Sequence[float],
-    couplings: Sequence[Coupling] = (),
-    supports: Sequence[Support] = (),
-    housings: Sequence[Housing] = (),
-    sleeves: Sequence[Sleeve] = (),
-) -> Layout:
+def layout(system: Train, centre_distances: Sequence[float]) -> Layout:
     """Find the geometry of a train at rest."""
-    by_name = {gear.name: gear for gear in gears}
-    origins = {shafts[0].name: np.zeros(3)}
-    given: list[Gear | Disk] = [*gears, *disks]
+    by_name = {gear.name: gear for gear in system.gears}
+    origins = {system.shafts[0].name: np.zeros(3)}
+    given: list[Gear | Disk] = [*system.gears, *system.disks]
     places = {body.name: (body.shaft, body.position) for body in given}
+    joined = (system.couplings, system.bearings, system.meshes, by_name, places)
     while found := next(
         chain(
-            _next_origin(meshes, centre_distances, by_name, origins),
-            _next_coaxial(coaxial(couplings, bearings, meshes, by_name, places), origins),
+            _next_origin(system.meshes, centre_distances, by_name, origins),
+            _next_coaxial(coaxial(*joined), origins),
         ),
         None,
     ):
@@ -509,10 +506,10 @@ def layout(
             shaft.name,
             origins.get(shaft.name, np.zeros(3)),
             _steps(shaft),
-            tuple(_around(sleeve) for sleeve in sleeves if sleeve.shaft == shaft.name),
-            shear_lengths(shaft, sleeves),
+            tuple(_around(sleeve) for sleeve in system.sleeves if sleeve.shaft == shaft.name),
+            shear_lengths(shaft, system.sleeves),
         )
-        for shaft in shafts
+        for shaft in system.shafts
     )
     bodies = tuple(
         BodyOutline(
@@ -524,24 +521,17 @@ def layout(
         )
         for body in given
     )
-    bearing_places = tuple((bearing.shaft, float(bearing.position)) for bearing in bearings)
-    return Layout(
-        outlines, bodies, bearing_places, tuple(_bases(outlines, bearings, (supports, housings)))
-    )
+    bearings = tuple((bearing.shaft, float(bearing.position)) for bearing in system.bearings)
+    return Layout(outlines, bodies, bearings, tuple(_bases(outlines, system)))
 
 
-def _bases(
-    shafts: Sequence[ShaftOutline],
-    bearings: Sequence[AnyBearing],
-    bases: tuple[Sequence[Support], Sequence[Housing]],
-) -> Iterator[BaseOutline]:
+def _bases(shafts: Sequence[ShaftOutline], system: Train) -> Iterator[BaseOutline]:
     """Give the supports and housings; a support is at the middle of its bearings."""
-    supports, housings = bases
-    listed = {support.name: support for support in supports}
+    listed = {support.name: support for support in system.supports}
     origins = {shaft.name: shaft.origin for shaft in shafts}
     feet: dict[str, list[tuple[str, float]]] = {}
     carried: dict[str, float] = {}
-    for bearing in bearings:
+    for bearing in system.bearings:
         base: Any = bearing.support
         base = listed.get(base, base) if isinstance(base, str) else base
         under: list[Any] = [base]
@@ -554,7 +544,7 @@ def _bases(
             if name is not None:
                 feet.setdefault(name, []).append((bearing.shaft, float(bearing.position)))
     centres: dict[str, Array] = {
-        housing.name: np.array(housing.position, dtype=np.float64) for housing in housings
+        housing.name: np.array(housing.position, dtype=np.float64) for housing in system.housings
     }
     for name, own in feet.items():
         at = [origins[shaft] + np.array([x, 0.0, 0.0]) for shaft, x in own]
@@ -566,7 +556,7 @@ def _bases(
                 np.array(given["rows"], dtype=np.float64)[:3],
                 carried.get(place),
             )
-            for housing in housings
+            for housing in system.housings
             if housing.name == name and housing.elastic is not None
             for place, given in housing.elastic.interfaces.items()
         )

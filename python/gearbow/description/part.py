@@ -13,12 +13,11 @@ from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import complex_number, nested, real, shown, text, truth
-from gearbow._lookup import CheckedKeywords
+from gearbow._convert import CheckedKeywords, complex_number, nested, real, shown, text, truth
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.errors import SceneError
-from gearbow.units.values import has_quantity, is_quantity, magnitude, quantities_exist
+from gearbow.units.fields import has_quantity, is_quantity, magnitude, quantities_exist
 
 P = TypeVar("P", bound="Part")
 

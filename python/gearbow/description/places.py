@@ -14,7 +14,7 @@ from gearbow._types import Plain
 from gearbow.description.elastic import ElasticBody, Interface, Matrices, Surface, reduced
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import ChannelError, SceneError
-from gearbow.units.values import is_quantity
+from gearbow.units.fields import is_quantity
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,11 @@ class Support(Part):
     Parameters
     ----------
     name : str, optional
-        Name, unique in the system. A support that several bearings share needs a name, and so does
-        one whose motion is recorded.
+        Name, unique in the system; a shared support needs it, and one whose motion is recorded.
     mass : float
         Mass m [kg].
     stiffness : float, pair or 2×2 array
-        Stiffness to the ground or housing [N/m]: a number for every direction, (yy, zz), or
-        [[yy, yz], [zy, zz]].
+        Stiffness to the ground or housing [N/m]: a number, (yy, zz), or [[yy, yz], [zy, zz]].
     damping : float, pair or 2×2 array
         Damping to the ground or housing [N s/m], in the same forms.
     axial_stiffness : float, optional
@@ -111,8 +109,7 @@ class Housing(Part):
     mass : float
         Mass m [kg].
     stiffness : float, pair or 2×2 array
-        Stiffness to the ground at the centre of mass [N/m]: a number for every direction, (yy, zz),
-        or [[yy, yz], [zy, zz]].
+        Stiffness to the ground at the centre of mass [N/m], as that of `Support`.
     damping : float, pair or 2×2 array
         Damping to the ground at the centre of mass [N s/m], in the same forms.
     axial_stiffness : float, optional
@@ -127,13 +124,10 @@ class Housing(Part):
         [kg m²]; products of inertia are neglected. None: the housing does not rotate.
     position : (float, float, float)
         Centre of mass (x, y, z) [m].
-    rotational_stiffness : (float, float, float)
-        Stiffness to the ground about x, y and z [N m/rad].
-    rotational_damping : (float, float, float)
-        Damping to the ground about x, y and z [N m s/rad].
+    rotational_stiffness, rotational_damping : (float, float, float)
+        Those to the ground about x, y and z [N m/rad, N m s/rad].
     points : mapping of {str: (float, float, float)}
-        Points (x, y, z) [m] whose motion can be recorded by name, for example those of
-        accelerometers.
+        Points (x, y, z) [m] whose motion can be recorded by name, as of accelerometers.
     elastic : ElasticBody, optional
         Modes of an elastic housing, which `from_matrices` makes.
 
@@ -196,8 +190,7 @@ class Housing(Part):
             (``.mtx``), or DMIG entries of Nastran (``.pch``, ``.bdf``, ``.dat``), whose rows are in
             ascending order of grid and component.
         interfaces : mapping of {str: Interface}
-            Bearing seats, feet and sensors by names that are unique in the system. The feet of a
-            free model have a stiffness to the ground.
+            Bearing seats, feet and sensors by unique names; the feet of a free model have springs.
         highest_frequency : float
             Highest frequency of interest [Hz].
         damping_ratio : float
@@ -208,8 +201,7 @@ class Housing(Part):
         Returns
         -------
         Housing
-            The housing. Its weight counts if it is free; the sag of a clamped one by its own weight
-            is left out.
+            The housing. Its weight counts if it is free; the own sag of a clamped one is left out.
 
         Raises
         ------
@@ -217,10 +209,6 @@ class Housing(Part):
             If the matrices are no symmetric square matrices of one size, leave some but not six
             motions free, or do not fit the positions of the interfaces, or if a file is damaged,
             of another format, or has several matrices.
-        OSError
-            If a file cannot be opened.
-        MissingExtraError
-            If SciPy is not installed.
 
         Examples
         --------

@@ -4,16 +4,19 @@ A stage adds a short shaft for every planet, the planet on it, its two meshes an
 carrier stands still (star gear): it is the ground, or a housing. Or it turns, as a part of a shaft.
 """
 
+import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, replace
 from typing import Any
 
-from gearbow._convert import real, shown, whole
+import numpy as np
+
+from gearbow._convert import complex_number, real, shown, whole
 from gearbow._types import At, MeshGeometry
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.journal import JournalBearing
-from gearbow.description.loads import Bearing, Drive
+from gearbow.description.loads import AnyBearing, Bearing, Drive
 from gearbow.description.part import Part, freeze, parts
 from gearbow.description.places import place
 from gearbow.description.rolling import RollingBearing
@@ -57,15 +60,23 @@ class RingGear(Part):
         Tip radius [m]; None is that of full-depth teeth, as in `Gear`.
     mass : float, optional
         Mass [kg]; None is that of a steel ring, as in `Gear`.
-    diametral_inertia : float, optional
-        Moment of inertia about a diameter [kg m²].
-    polar_inertia : float, optional
-        Moment of inertia about the axis [kg m²].
+    diametral_inertia, polar_inertia : float, optional
+        Moments of inertia about a diameter and about the axis [kg m²].
     rotational_stiffness : float, optional
         Stiffness with which the ground holds the ring against rotation [N m/rad]; a ring on the
         ground needs it. For a bolted ring, 1e9 N/m times the square of its pitch radius is usual.
     rotational_damping : float
         Damping of this support [N m s/rad].
+    lateral_stiffness : float, optional
+        Stiffness with which the ground holds the ring along y and z [N/m], where planets move
+        laterally on a carrier that turns; None holds only the rotation.
+    lateral_damping : float
+        Damping of this support along y and z [N s/m].
+    axial_stiffness : float
+        Its stiffness along the axis [N/m], which helical teeth need.
+    tilting_stiffness : float, optional
+        Its stiffness against tilting [N m/rad]. None is that of a rim which springs hold all around
+        with the lateral stiffness: half of it times the square of the pitch radius.
 
     Examples
     --------
@@ -92,8 +103,12 @@ class RingGear(Part):
     polar_inertia: float | None = None
     rotational_stiffness: float | None = None
     rotational_damping: float = 0.0
+    lateral_stiffness: float | None = None
+    lateral_damping: float = 0.0
+    axial_stiffness: float = 0.0
+    tilting_stiffness: float | None = None
 
-    def _on_ground(self, path: str) -> tuple[Shaft, Drive]:
+    def _on_ground(self, path: str) -> tuple[Shaft, Drive, Bearing | None]:
         """Give the shaft of a ring on the ground, which does not turn, and what holds it."""
         whole(self.teeth, f"{path}.teeth")
         if self.rotational_stiffness is None:
@@ -110,16 +125,28 @@ class RingGear(Part):
             speed_ratio=0.0,
         )
         drive = Drive(self.name, self.rotational_stiffness, self.rotational_damping)
-        return shaft, drive
+        if self.lateral_stiffness is None:
+            return shaft, drive, None
+        lateral = real(self.lateral_stiffness, f"{path}.lateral_stiffness")
+        tilting = self.tilting_stiffness
+        holding = Bearing(
+            shaft.name,
+            0.0,
+            stiffness=lateral,
+            damping=self.lateral_damping,
+            axial_stiffness=self.axial_stiffness,
+            tilting_stiffness=lateral * diameter**2 / 8.0 if tilting is None else tilting,
+        )
+        return shaft, drive, holding
 
     def _gear(self, shafts: Sequence[str], path: str) -> Gear:
-        """Give the gear on its shaft."""
         whole(self.teeth, f"{path}.teeth")
-        if self.rotational_stiffness is not None and self.support in shafts:
-            raise SceneError(
-                f"{path}.rotational_stiffness: is for a ring on the ground, and this one stands on "
-                f'"{self.support}"; leave it out, or give no support'
-            )
+        for name, default in _UNSUPPORTED.items():
+            if getattr(self, name) != default and self.support in shafts:
+                raise SceneError(
+                    f"{path}.{name}: is for a ring on the ground, and this one stands on "
+                    f'"{self.support}"; leave it out, or give no support'
+                )
         if self.support not in shafts:
             base = "the ground" if self.support is None else shown(self.support)
             raise SceneError(
@@ -133,6 +160,12 @@ class RingGear(Part):
         return Gear(**own, shaft=str(self.support), internal=True)
 
 
+#: Fields of the support of a ring on the ground, with their defaults.
+_UNSUPPORTED: dict[str, Any] = {
+    field.name: field.default
+    for field in fields(RingGear)
+    if field.name.endswith(("_stiffness", "_damping"))
+}
 #: Fields that a ring gear has in common with a gear.
 _SHARED = {field.name for field in fields(Gear)} & {field.name for field in fields(RingGear)}
 #: Lists of a system to which a stage adds parts.
@@ -152,8 +185,8 @@ class PlanetaryStage(Part):
     sun, ring and carrier in torsion; a disk "planet masses", named after `planet`, adds the inertia
     of the planets about the axis of the stage to the carrier. A ring on the ground gets a shaft at
     rest, "ring mount", named after the ring, and a drive that holds it. Planets with bearings move
-    laterally in the frame of the carrier, in which modes, Campbell diagram and static equilibrium
-    are computed; sun, ring and carrier then need bearings, too.
+    laterally in the frame of the carrier, in which they are computed; sun, ring and carrier then
+    need bearings, too, or a ring on the ground a `lateral_stiffness`.
 
     Parameters
     ----------
@@ -182,14 +215,17 @@ class PlanetaryStage(Part):
         the ring. Where the carrier drives the sun, as in a wind turbine, the ring drives the
         planets, and these the sun. Line of centres and phase of the teeth are set by the stage.
     centre_distance : float, optional
-        Distance of the planets from the axis [m]. None is the one without play, if it is the same
-        in both meshes.
+        Distance of the planets from the axis [m]. None is that without play, equal in both meshes.
+    pin_errors : sequence of complex, optional
+        Position error of the pin of each planet [m]: the real part outwards, the imaginary part
+        along the circle of the pins, in the direction of positive rotation. It is the
+        `Bearing.misalignment` of all bearings of the planet, which must be `gearbow.Bearing`. None
+        is no error.
 
     Raises
     ------
     SceneError
-        If the teeth of the planets do not fit between sun and ring at these angles, or if
-        neighbouring planets overlap.
+        If the planets do not fit between sun and ring at these angles, or overlap.
 
     Examples
     --------
@@ -251,10 +287,13 @@ class PlanetaryStage(Part):
     sun_mesh: Mesh | None = None
     ring_mesh: Mesh | None = None
     centre_distance: float | None = None
+    pin_errors: Sequence[complex] | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.planets, list | tuple):
             freeze(self, "planets")
+        if isinstance(self.pin_errors, list | tuple | np.ndarray):
+            object.__setattr__(self, "pin_errors", tuple(self.pin_errors))
 
     def _angles(self, path: str) -> list[float]:
         """Give the angles of the planets [rad]."""
@@ -272,7 +311,6 @@ class PlanetaryStage(Part):
         return angles
 
     def _planets(self) -> list[str]:
-        """Give the names of the planets."""
         count = len(self._angles("planets"))
         return [f"{self.planet.name} {i}" for i in range(1, count + 1)]
 
@@ -361,10 +399,11 @@ class PlanetaryStage(Part):
         if isinstance(self.ring, RingGear):
             given = self.ring
             if turning is not None and given.support is None:
-                mount, drive = given._on_ground(f"{path}.ring")
+                mount, drive, holding = given._on_ground(f"{path}.ring")
                 added["shafts"].append(mount)
                 added["drives"].append(drive)
-                given = replace(given, support=mount.name, position=0.0, rotational_stiffness=None)
+                added["bearings"] += [] if holding is None else [holding]
+                given = replace(given, support=mount.name, position=0.0, **_UNSUPPORTED)
                 names.append(mount.name)
             ring = given._gear(names, f"{path}.ring")
             added["gears"].append(ring)
@@ -388,7 +427,8 @@ class PlanetaryStage(Part):
         distance = self._distance(sun, ring, path)
         meshes = self._meshes(sun, ring, path)
         self._check_neighbours(sun, angles, path)
-        for i, angle in enumerate(angles, start=1):
+        errors = self._pin_errors(len(angles), bearings, path)
+        for i, (angle, error) in enumerate(zip(angles, errors, strict=True), start=1):
             own = f"{self.planet.name} {i}"
             pin = self._pin(turning is not None and not bearings, path)
             shaft = f"{pin.name} {i}"
@@ -410,10 +450,35 @@ class PlanetaryStage(Part):
                         carrier=turning,
                     )
                 )
-            added["bearings"] += [
-                replace(each, shaft=shaft, support=turning or self.carrier) for each in bearings
-            ]
+            standing: dict[str, Any] = {"shaft": shaft, "support": turning or self.carrier}
+            if error:
+                standing["misalignment"] = error * cmath.exp(1j * angle)
+            added["bearings"] += [replace(each, **standing) for each in bearings]
         return added
+
+    def _pin_errors(
+        self, count: int, bearings: Sequence[AnyBearing], path: str
+    ) -> tuple[complex, ...]:
+        """Give the position error of each pin [m]."""
+        if self.pin_errors is None:
+            return (0j,) * count
+        given, at = self.pin_errors, f"{path}.pin_errors"
+        if not isinstance(given, tuple) or len(given) != count:
+            raise SceneError(
+                f"{at}: must be a list of {count} numbers [m], one for each planet, got "
+                f"{shown(given)}"
+            )
+        plain = [complex_number(error, f"{at}[{i}]") for i, error in enumerate(given)]
+        errors = tuple(complex(*e) if isinstance(e, list) else complex(e) for e in plain)
+        for i, error in enumerate(errors):
+            if not cmath.isfinite(error):
+                raise SceneError(f"{at}[{i}]: must be finite, got {shown(given[i])}")
+        if any(errors) and not (bearings and all(isinstance(each, Bearing) for each in bearings)):
+            raise SceneError(
+                f"{at}: a pin that is off moves the planet on its bearings: give bearings of the "
+                "planet, each a gb.Bearing"
+            )
+        return errors
 
     def _check_neighbours(self, sun: Gear, angles: Sequence[float], path: str) -> None:
         """Refuse planets whose tip circles overlap."""
@@ -437,12 +502,13 @@ class PlanetaryStage(Part):
                 )
 
     def _check_kinds(self, path: str) -> None:
-        """Refuse values of wrong classes; planets and bearings are checked where they are used."""
-        plain = replace(self, planets=1, bearing=Bearing("pin", 0.0, stiffness=1.0))
+        """Refuse values of wrong classes; lists are checked where they are used."""
+        plain = replace(
+            self, planets=1, bearing=Bearing("pin", 0.0, stiffness=1.0), pin_errors=None
+        )
         plain._describe(path)
 
     def _bearings(self, path: str) -> tuple[Bearing | JournalBearing | RollingBearing, ...]:
-        """Give the bearings of one planet."""
         given = self.bearing if isinstance(self.bearing, list | tuple) else (self.bearing,)
         return parts(given, Bearing, f"{path}.bearing", JournalBearing, RollingBearing)
 
@@ -494,9 +560,19 @@ def planet_masses(
     first = next(mesh for mesh in meshes if f"{stage.planet.name} 1" in _ends(mesh))
     if first.carrier is None or isinstance(first.carrier, str):
         return []
-    total = sum(masses[gears[name].shaft] for name in stage._planets())
-    polar = total * geometry[_ends(first)]["centre_distance"] ** 2
-    return [Disk(f"{stage.planet.name} masses", *first.carrier, total, 0.5 * polar, polar)]
+    distance = geometry[_ends(first)]["centre_distance"]
+    planets = [(masses[gears[name].shaft], distance) for name in stage._planets()]
+    return [Disk(**orbiting(f"{stage.planet.name} masses", first.carrier, planets))]
+
+
+def orbiting(
+    name: str, carrier: tuple[str, float], planets: Sequence[tuple[float, float]]
+) -> dict[str, Any]:
+    """Give masses [kg] at distances [m] from the axis of their carrier as a disk on it."""
+    (shaft, position), mass = carrier, sum(mass for mass, _ in planets)
+    polar = sum(mass * distance**2 for mass, distance in planets)
+    found = {"name": name, "shaft": shaft, "position": position, "mass": mass}
+    return found | {"diametral_inertia": 0.5 * polar, "polar_inertia": polar}
 
 
 def tooth_angles(

@@ -26,10 +26,8 @@ class RollingCoefficients(ReadOnly):
     ----------
     displacement : ndarray, shape (2,)
         Displacement of the shaft along y and z [m].
-    stiffness : ndarray, shape (2, 2)
-        Stiffness over (y, z) [N/m].
-    damping : ndarray, shape (2, 2)
-        Damping over (y, z) [N s/m].
+    stiffness, damping : ndarray, shape (2, 2)
+        Stiffness [N/m] and damping [N s/m] over (y, z).
     contact_forces : ndarray, shape (n,)
         Contact force of each rolling element [N]; at the cage angle 0 for a mean.
 
@@ -64,10 +62,8 @@ class RingCoefficients(ReadOnly):
         Forces [N] and moments [N m] of the shaft on the bearing.
     stiffness : ndarray, shape (5, 5)
         Their derivatives [N/m, N/rad, N m/rad], a symmetric matrix.
-    contact_forces : ndarray, shape (n,)
-        Contact force of each rolling element, normal to the races [N].
-    contact_angles : ndarray, shape (n,)
-        Contact angle of each element under the load [rad].
+    contact_forces, contact_angles : ndarray, shape (n,)
+        Force of each element normal to the races [N], and its contact angle under the load [rad].
 
     Examples
     --------
@@ -151,10 +147,8 @@ class RollingBearing(Part):
         Bore, outside diameter and width [m]; of a needle cage the diameters of both raceways.
     elements : int, optional
         Number n of rolling elements, balls or rollers.
-    element_diameter : float, optional
-        Diameter d of a ball or roller [m].
-    pitch_diameter : float, optional
-        Diameter D of the circle through the centres of the elements [m].
+    element_diameter, pitch_diameter : float, optional
+        Diameter d of an element, and D of the circle through their centres [m].
     clearance : float, optional
         Radial internal clearance during operation (ISO 5753) [m]: the distance that the shaft can
         move without load from one side to the opposite side, twice the radial gap. A negative value
@@ -192,14 +186,11 @@ class RollingBearing(Part):
         five degrees of freedom, it and `tilting_stiffness` follow from the rolling elements.
     axial_damping : float
         Damping along the axis of the shaft [N s/m].
-    tilting_stiffness : float
-        Stiffness against rotations of the shaft about y and z [N m/rad].
-    tilting_damping : float
-        Damping of these rotations [N m s/rad].
+    tilting_stiffness, tilting_damping : float
+        Those against rotations of the shaft about y and z [N m/rad, N m s/rad].
     dynamic_rating, static_rating : float, optional
-        Basic load ratings C and C₀ [N], which `bearing_life` uses. None is that of a catalogue for
-        deep groove ball bearings of the series 60, 62 and 63, or that of ISO 281 and ISO 76 for the
-        elements.
+        Basic load ratings C and C₀ [N] for `bearing_life`. None is that of a catalogue for deep
+        groove ball bearings of the series 60, 62 and 63, else that of ISO 281 and ISO 76.
     support : str, Support or tuple of (str, float), optional
         What it stands on, as for `Bearing`.
 
@@ -278,11 +269,6 @@ class RollingBearing(Part):
         -------
         RollingCoefficients
             Displacement, stiffness, damping and contact forces.
-
-        Raises
-        ------
-        SceneError
-            If the load or an entry of the bearing is impossible.
         """
         cage = None if cage_angle is None else number(cage_angle, "cage_angle")
         found = rolling_coefficients(self._describe("bearing"), (0.0, -number(load, "load")), cage)
@@ -306,8 +292,7 @@ class RollingBearing(Part):
         load : float
             Load of the shaft on the bearing along −z [N].
         thrust : float
-            Load of the shaft on the bearing along +x [N], which presses the elements for a positive
-            contact angle.
+            Load on the bearing along +x [N]; it presses elements with a positive contact angle.
         tilt : (float, float)
             Rotations of the shaft about y and z [rad], which the shaft prescribes.
 
@@ -318,8 +303,6 @@ class RollingBearing(Part):
 
         Raises
         ------
-        SceneError
-            If an entry of the bearing is impossible.
         ConvergenceError
             If the bearing does not carry the load, such as a thrust without a contact angle.
 
@@ -394,8 +377,7 @@ class RollingBearing(Part):
     def estimate(self) -> RollingEstimate | None:
         """Elements estimated from a designation or from boundary dimensions.
 
-        Fields that the bearing gives itself are left out; None for a bearing without designation
-        and boundary.
+        Fields that the bearing gives are left out; None without designation and boundary.
         """
         found = rolling_estimate(self._describe("bearing"))
         return None if found is None else RollingEstimate(**found)

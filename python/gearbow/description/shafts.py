@@ -23,10 +23,8 @@ class Material(Part):
 
     Parameters
     ----------
-    youngs_modulus : float
-        Young's modulus E [Pa].
-    density : float
-        Density ρ [kg/m³].
+    youngs_modulus, density : float
+        Young's modulus E [Pa] and density ρ [kg/m³].
     poisson_ratio : float, optional
         Poisson's ratio ν; give either this or `shear_modulus`.
     shear_modulus : float, optional
@@ -63,10 +61,8 @@ class Segment(Part):
     elements : int, optional
         Minimum number of elements; None is 1 if another segment of the shaft has a number. If none
         has, gearbow chooses all numbers.
-    end_outer_diameter : float, optional
-        Outer diameter at the end of a cone [m]; None is that at its begin.
-    end_inner_diameter : float, optional
-        Diameter of a conical bore at its end [m]; None is that at its begin.
+    end_outer_diameter, end_inner_diameter : float, optional
+        Diameters of a cone and of a conical bore at their ends [m]; None is that at the begin.
     material : Material, optional
         Material; None is that of the shaft.
 
@@ -173,10 +169,8 @@ class Notch(Part):
         Name of the shaft.
     position : float
         Position on the shaft [m].
-    bending : float
-        Fatigue notch factor of bending and axial stresses, at least 1.
-    torsion : float
-        Fatigue notch factor of torsion, at least 1.
+    bending, torsion : float
+        Fatigue notch factors of bending and axial stresses, and of torsion, at least 1.
 
     Examples
     --------
@@ -198,12 +192,8 @@ class Shaft(Part):
     ----------
     name : str
         Name, unique in the system.
-    length : float
-        Length of a uniform shaft [m].
-    outer_diameter : float
-        Outer diameter of a uniform shaft [m].
-    inner_diameter : float
-        Diameter of its bore [m].
+    length, outer_diameter, inner_diameter : float
+        Length, outer diameter and diameter of the bore of a uniform shaft [m].
     elements : int, optional
         Minimum number of elements of a uniform shaft. The position of every gear, disk, bearing
         and torque becomes a node: the element there is split. None lets gearbow choose number and
@@ -219,8 +209,7 @@ class Shaft(Part):
     shear : bool
         Whether the model includes shear deformation; False is the Rayleigh beam.
     axial_force : float
-        Axial force [N], positive for tension, which stiffens the shaft in bending. A force at which
-        the shaft buckles is an error.
+        Axial force [N], positive for tension, which stiffens the shaft; buckling is an error.
     internal_damping : float
         Internal damping β [s]: viscous damping βK of the shaft in coordinates that rotate with it,
         of hysteresis and fits. Above a critical speed it makes the rotor unstable where the

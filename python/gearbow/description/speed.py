@@ -8,9 +8,8 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import array, function, matrix, number, real, shown
+from gearbow._convert import array, function, matrix, number, one_of, positive, real, shown
 from gearbow._core import check_speed, table_at_frequency
-from gearbow._lookup import one_of
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, BearingQuantity, OutsideTable, Plain, TableAxes
 from gearbow.description.part import Part, freeze
@@ -74,23 +73,12 @@ class SpeedProfile(ReadOnly):
 
         Parameters
         ----------
-        start : float
-            Initial speed [rad/s].
-        end : float
-            Final speed [rad/s], constant afterwards.
-        duration : float
-            Duration of the change [s].
-        begin : float
-            Time at which the change begins [s].
-
-        Raises
-        ------
-        SceneError
-            If the duration is not positive, or a number is not finite.
+        start, end : float
+            Initial and final speed [rad/s]; the final one is constant afterwards.
+        duration, begin : float
+            Duration of the change, and time at which it begins [s].
         """
-        begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
-        if not duration > 0.0:
-            raise SceneError(f"speed.duration: must be positive, got {duration!r}")
+        begin, duration = number(begin, "speed.begin"), positive(duration, "speed.duration")
         return cls.table(
             [begin, begin + duration], [number(start, "speed.start"), number(end, "speed.end")]
         )
@@ -101,15 +89,8 @@ class SpeedProfile(ReadOnly):
 
         Parameters
         ----------
-        times : array_like, shape (m + 1,)
-            Times, ascending [s].
-        speeds : array_like, shape (m + 1,)
-            Speeds [rad/s].
-
-        Raises
-        ------
-        SceneError
-            If times do not ascend, or the numbers of times and speeds differ.
+        times, speeds : array_like, shape (m + 1,)
+            Ascending times [s] and the speeds at them [rad/s].
         """
         t, values = array(times, "speed.times"), array(speeds, "speed.speeds")
         if t.shape != values.shape or t.size < 2:
@@ -132,10 +113,8 @@ class SpeedProfile(ReadOnly):
         ----------
         f : callable
             Gives the speed [rad/s] at a time [s], or at an array of times.
-        duration : float
-            Duration of the approximation [s]; the speed is constant afterwards.
-        begin : float
-            Time at which the approximation begins [s]; the speed is constant before.
+        duration, begin : float
+            Duration and begin of the approximation [s]; before and after it the speed is constant.
 
         Returns
         -------
@@ -147,9 +126,7 @@ class SpeedProfile(ReadOnly):
         SceneError
             If `f` is no function, is discontinuous, or has a value that is not finite.
         """
-        begin, duration = number(begin, "speed.begin"), number(duration, "speed.duration")
-        if not duration > 0.0:
-            raise SceneError(f"speed.duration: must be positive, got {duration!r}")
+        begin, duration = number(begin, "speed.begin"), positive(duration, "speed.duration")
         function(f, "speed.f")
         left, coefficients = sampled(f, np.linspace(begin, begin + duration, _FIRST + 1), "speed")
         return cls(np.append(left, begin + duration), coefficients)
@@ -305,11 +282,9 @@ class SpeedTable(Part):
         [[yy, yz], [zy, zz]]; with `frequencies` at each speed and frequency, or at each frequency
         if `speeds` is None.
     outside : str
-        "error" rejects speeds and frequencies outside the table; "hold" uses the first or the last
-        value there.
+        "error" rejects speeds and frequencies outside; "hold" uses the first or last value.
     frequencies : array_like, shape (m,), optional
-        Magnitudes of the frequency of the vibration [rad/s], ascending from zero or above; at least
-        two. None if the frequency has no effect.
+        At least two ascending frequencies of the vibration [rad/s]; None if they have no effect.
 
     Notes
     -----
@@ -435,15 +410,6 @@ class SpeedTable(Part):
             {"speed": "rpm", "stiffness": "N/um"}. Without them the numbers are in SI units.
         outside : str
             What holds outside the speeds, see the class.
-
-        Raises
-        ------
-        SceneError
-            If a heading, a unit or a number is invalid, or a column is missing.
-        MissingExtraError
-            If the format needs a library that is not installed.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----

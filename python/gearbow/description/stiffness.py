@@ -28,14 +28,11 @@ class Stiffness(Part):
         Largest stiffness of one tooth pair [N/m], for "square" and "parabolic"; of helical teeth
         where the pair touches over its whole face width.
     end_ratio : float, optional
-        Stiffness of a pair at the ends of the path of contact divided by that in the middle, for
-        "parabolic".
+        Stiffness of a pair at the ends of the path over that in the middle, for "parabolic".
     values : sequence of float, optional
         Stiffness at equal intervals of the mesh cycle [N/m], for "table".
-    amplitudes : sequence of float, optional
-        Amplitudes of the harmonics of the mesh cycle [N/m], for "fourier".
-    phases : sequence of float, optional
-        Phases of the harmonics [rad], for "fourier".
+    amplitudes, phases : sequence of float, optional
+        Amplitudes [N/m] and phases [rad] of the harmonics of the mesh cycle, for "fourier".
     bore_radii : pair of float, optional
         Radii at which the bodies of driver and driven gear are fixed [m], for "potential_energy".
     engagement : "sharp" or float, optional
@@ -43,8 +40,7 @@ class Stiffness(Part):
     phase : {"twist", "prescribed"}, optional
         What determines the position of the teeth on the path of contact.
     foundation : {"separate", "shared"}, optional
-        Whether pairs in simultaneous contact share the compliance of fillet and gear body, for
-        "potential_energy".
+        Whether pairs share the compliance of fillet and gear body, for "potential_energy".
 
     Notes
     -----
@@ -179,8 +175,7 @@ class Stiffness(Part):
         pair : float
             Stiffness of one pair in the middle of the path [N/m].
         end_ratio : float
-            Stiffness at the ends of the path divided by `pair`, for the centres at rest. The
-            default is 0.6.
+            Stiffness at the ends of the path over `pair`, for the centres at rest; 0.6 by default.
         engagement : "sharp" or float
             Engagement of a pair: "sharp" is instantaneous; a number is the length of the engagement
             as a fraction of the base pitch. The default is 0.1.
@@ -294,10 +289,8 @@ class Stiffness(Part):
         ----------
         mean : float
             Mean over the cycle [N/m].
-        amplitudes : array_like, shape (n,)
-            Amplitudes a of the harmonics 1, 2, … [N/m].
-        phases : array_like, shape (n,)
-            Their phases p [rad]; the default is zero.
+        amplitudes, phases : array_like, shape (n,)
+            Amplitudes a [N/m] and phases p [rad] of the harmonics 1, 2, …; p is 0 by default.
         phase : {"twist", "prescribed"}
             What determines the position of the teeth on the path of contact; see the class.
 

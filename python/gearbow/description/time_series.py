@@ -7,12 +7,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, function, nested, number, shown, whole
+from gearbow._convert import array, function, nested, number, positive, shown, whole
 from gearbow._types import Array, Plain
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.description.speed import evaluated, sampled
 from gearbow.errors import SceneError
-from gearbow.units.values import has_quantity
+from gearbow.units.fields import has_quantity
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,7 @@ class TimeSeries(Part):
     values : array_like, shape (k,), real or complex
         Torque [N m], or force y + iz [N], at each time.
     slopes : array_like, shape (k,), real or complex, optional
-        Derivative over time at each time. None: that of the monotone cubic (PCHIP), which does not
-        overshoot the values.
+        Derivatives at the times. None: those of the monotone cubic (PCHIP), without overshoot.
 
     Examples
     --------
@@ -64,10 +63,8 @@ class TimeSeries(Part):
         ----------
         f : callable
             Gives the torque [N m] or force y + iz [N] at a time [s].
-        duration : float
-            Duration of the approximation [s].
-        begin : float
-            Time at which the approximation begins [s].
+        duration, begin : float
+            Duration of the approximation, and time at which it begins [s].
         path : str
             Beginning of error messages.
 
@@ -81,9 +78,7 @@ class TimeSeries(Part):
         SceneError
             If `f` is no function, is discontinuous, or has a value that is not finite.
         """
-        begin, duration = number(begin, f"{path}.begin"), number(duration, f"{path}.duration")
-        if not duration > 0.0:
-            raise SceneError(f"{path}.duration: must be positive, got {duration!r}")
+        begin, duration = number(begin, f"{path}.begin"), positive(duration, f"{path}.duration")
         function(f, f"{path}.f")
         first = np.linspace(begin, begin + duration, 33)
         pieces = [

@@ -8,13 +8,13 @@ import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 
-from gearbow._convert import shown, text
+from gearbow._convert import nearest, shown, text
 from gearbow._core import Model, mesh_geometry
-from gearbow._lookup import nearest
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, ComplexArray, Dof, Plain
 from gearbow.description.gears import Disk, Gear, Mesh
@@ -66,18 +66,11 @@ class Train(ReadOnly):
     def of(cls, description: Mapping[str, Plain], ratios: Array) -> "Train":
         """Make the train of a plain description."""
         parts = parts_of(description)
-        lists = ("shafts", "gears", "disks", "meshes", "bearings")
+        lists: Any = SimpleNamespace(**parts)
         bows = [_bow(description, shaft.name) for shaft in parts["shafts"] if shaft.bow is not None]
         return cls(
             parts=parts,
-            layout=layout(
-                *(parts[key] for key in lists),
-                centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(description)],
-                couplings=parts["couplings"],
-                supports=parts["supports"],
-                housings=parts["housings"],
-                sleeves=parts["sleeves"],
-            ),
+            layout=layout(lists, [mesh["centre_distance"] for mesh in mesh_geometry(description)]),
             ratios={s.name: float(r) for s, r in zip(parts["shafts"], ratios, strict=True)},
             dofs=tuple(dof for dofs, _ in bows for dof in dofs),
             bow=np.concatenate([np.empty(0, complex), *(values for _, values in bows)]),

@@ -211,13 +211,10 @@ class MeasuredCurve(ReadOnly):
         Direction of the response.
     quantity : {"displacement", "velocity", "acceleration"}
         Quantity of the response.
-    frequencies : ndarray, shape (k,)
-        Frequencies [rad/s].
-    values : ndarray, shape (k,)
-        Phasors of the response to the source.
+    frequencies, values : ndarray, shape (k,)
+        Frequencies [rad/s], and phasors of the response to the source.
     source : int, Force or Torque
-        Number of the source in the response that it is compared with; or the source itself, of
-        which the values are the response.
+        Number of the source in the compared response; or the source, whose response the values are.
 
     Examples
     --------

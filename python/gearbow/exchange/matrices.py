@@ -82,7 +82,6 @@ def _from_matlab(path: Path) -> dict[str, Any]:
 
 
 def _from_matrix_market(path: Path) -> dict[str, Any]:
-    """Read the matrix of a Matrix Market file."""
     from scipy import sparse  # noqa: PLC0415
 
     with reading(path, "a Matrix Market file") as text:

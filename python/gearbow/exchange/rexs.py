@@ -25,7 +25,7 @@ from gearbow.exchange.rexs_file import (
 )
 from gearbow.exchange.rexs_joints import Joints, MissingValue, check_given
 from gearbow.exchange.rexs_planetary import Planets, with_orbits
-from gearbow.units.speed import as_given, speed_text
+from gearbow.units.speed import PER_MINUTE, as_given, speed_text
 
 #: Components that gearbow cannot represent, and why. The first that a file has is reported.
 _REFUSED = {
@@ -59,8 +59,7 @@ class LoadCase(Shown):
     number : int
         Number in the order of the file, from 1.
     speed : float or None
-        Speed of the reference shaft, positive about +x [rad/s]; None if the file has none. Results
-        at this speed show speeds in rpm.
+        Speed of the reference shaft [rad/s]; None if the file has none. Results show it in 1/min.
     torques : dict of str to float
         The given torques, positive about +x [N m], by the name of the load.
 
@@ -76,7 +75,7 @@ class LoadCase(Shown):
     torques: dict[str, float]
 
     def __str__(self) -> str:
-        speed = "no speed" if self.speed is None else speed_text(self.speed, "rpm")
+        speed = "no speed" if self.speed is None else speed_text(self.speed, PER_MINUTE)
         torques = [f'"{name}" {torque:.6g} N m' for name, torque in self.torques.items()]
         return f"load case {self.number}: {', '.join([speed, *torques])}"
 
@@ -87,10 +86,8 @@ class RexsContents(Shown):
 
     Attributes
     ----------
-    application : str
-        Program and version that wrote the file.
-    version : str
-        Version of REXS.
+    application, version : str
+        Program and version that wrote the file, and version of REXS.
     reference : str
         Name of the reference shaft, whose speed the load cases give.
     load_cases : tuple of LoadCase
@@ -163,9 +160,8 @@ def _read(
 ) -> tuple[dict[str, Plain], RexsContents]:
     """Give the description of a file, and its contents."""
     for kind, reason in _REFUSED.items():
-        for component in file.components.values():
-            if component.kind == kind:
-                raise component.error(f"gearbow cannot represent it: {reason}")
+        for component in file.of_kind(kind):
+            raise component.error(f"gearbow cannot represent it: {reason}")
     planets = Planets(file)
     train = _Train(file, planets)
     cases = file.load_cases or (file.components,)
@@ -218,8 +214,7 @@ def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
     Parameters
     ----------
     path : str or path-like
-        A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive, also ``.zip``) of
-        version 1.0 to 2.0.
+        A file of version 1.0 to 2.0: ``.rexs``, ``.rexsj`` (JSON), ``.rexsz`` or ``.zip``.
 
     Returns
     -------
@@ -230,8 +225,6 @@ def rexs_contents(path: str | os.PathLike[str]) -> RexsContents:
     ------
     SceneError
         If the file is damaged, or has a component that gearbow cannot represent.
-    OSError
-        If the file cannot be opened.
 
     See Also
     --------
@@ -271,23 +264,17 @@ class _Train:
         self.notes: list[str] = []
         self._names: set[str] = set()
         self._without_material: list[str] = []
-        parts = file.related("assembly") + file.related("ordered_assembly")
         #: The shaft that carries each part.
         self._carrier = {
-            refs["part"].id: refs["assembly"].id
-            for refs in parts
-            if {"part", "assembly"} <= refs.keys() and refs["assembly"].kind == "shaft"
+            part.id: whole.id for part, whole in file.assembled() if whole.kind == "shaft"
         }
-        shafts = [each for each in self._of_kind("shaft") if each.id not in planets.left_out]
+        shafts = [each for each in self._file.of_kind("shaft") if each.id not in planets.left_out]
         if not shafts:
             raise file.error("has no shaft")
         self.reference = self._reference(shafts)
         self.shafts = Shafts(file, self.reference, self.notes)
         self.placed = {shaft.id: self._place(shaft) for shaft in shafts}
         self._gear_names: dict[int, str] = {}
-
-    def _of_kind(self, *kinds: str) -> list[Component]:
-        return [each for each in self._file.components.values() if each.kind in kinds]
 
     def _reference(self, shafts: list[Component]) -> Component:
         """Find the shaft whose speed the file defines; the first without one."""
@@ -299,7 +286,7 @@ class _Train:
     def _place(self, shaft: Component) -> PlacedShaft:
         sections = [
             each
-            for each in self._of_kind("shaft_section")
+            for each in self._file.of_kind("shaft_section")
             if self._carrier.get(each.id) == shaft.id
         ]
         return self.shafts.place(shaft, self._named(shaft), sections)
@@ -320,7 +307,7 @@ class _Train:
         """Describe everything but bearings, couplings and loads."""
         shafts = [self._shaft(placed) for placed in self.placed.values()]
         kinds = ("cylindrical_gear", "ring_gear")
-        gears = [self._gear(gear) for kind in kinds for gear in self._of_kind(kind)]
+        gears = [self._gear(gear) for kind in kinds for gear in self._file.of_kind(kind)]
         by_name = {gear["name"]: gear for gear in gears}
         if self._without_material:
             names = ", ".join(f'"{name}"' for name in self._without_material)
@@ -330,7 +317,7 @@ class _Train:
             "reference": self.placed[self.reference.id].name,
             "gears": gears,
             "meshes": [self._mesh(refs, by_name) for refs in self._file.related("stage")],
-            "disks": [self._disk(each) for each in self._of_kind("additional_mass")],
+            "disks": [self._disk(each) for each in self._file.of_kind("additional_mass")],
             **{key: [] for key in ("bearings", "couplings", "torques", "forces")},
             "gravity": self._gravity(),
         }
@@ -354,7 +341,6 @@ class _Train:
         return described
 
     def _material(self, component: Component) -> dict[str, Plain] | None:
-        """Give the material of a component."""
         for refs in self._file.related("reference"):
             material = refs.get("referenced")
             if material and material.kind == "material" and refs.get("origin") is component:
@@ -493,7 +479,7 @@ class _Train:
         }
 
     def _gravity(self) -> list[float] | None:
-        for unit in self._of_kind("gear_unit"):
+        for unit in self._file.of_kind("gear_unit"):
             if not unit.flag("account_for_gravity"):
                 continue
             names = [f"direction_vector_gravity_{axis}" for axis in "uvw"]
@@ -523,8 +509,8 @@ class _Train:
         shaft = case[self.reference.id]
         if not shaft.has("rotational_speed"):
             return None
-        # REXS has speeds in 1/min: results at this speed show them in rpm.
-        found: float = as_given(shaft.number("rotational_speed", "speed"), "rpm")
+        # REXS has speeds in 1/min: results at this speed show them so.
+        found: float = as_given(shaft.number("rotational_speed", "speed"), PER_MINUTE)
         return found
 
     def _loads(self, case: Mapping[int, Component]) -> list[Component]:

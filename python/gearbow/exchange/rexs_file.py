@@ -22,6 +22,7 @@ from gearbow._files import check_name, parsing
 from gearbow._types import Array, Plain
 from gearbow.errors import SceneError
 from gearbow.units.parse import parsed
+from gearbow.units.speed import PER_MINUTE
 
 #: Endings of the three formats; the last one is another name of the third.
 ENDINGS = (".rexs", ".rexsj", ".rexsz", ".zip")
@@ -34,7 +35,7 @@ _UNITS = {
     "": "1",
     "none": "1",
     "mum": "um",
-    "1 / min": "rpm",
+    "1 / min": PER_MINUTE,
     "rad / s": "rad/s",
     "kg / dm^3": "g/cm^3",
     "kW": "kN m",  # of a power, which is divided by a speed
@@ -153,6 +154,15 @@ class RexsFile:
     def error(self, text: str) -> SceneError:
         """Make an error of the file."""
         return SceneError(f"{self.path}: {text}")
+
+    def of_kind(self, *kinds: str) -> list[Component]:
+        """Give the components of some types."""
+        return [each for each in self.components.values() if each.kind in kinds]
+
+    def assembled(self) -> list[tuple[Component, Component]]:
+        """Give each part with its whole, by the relations of assemblies."""
+        refs = [*self.related("assembly"), *self.related("ordered_assembly")]
+        return [(e["part"], e["assembly"]) for e in refs if {"part", "assembly"} <= e.keys()]
 
     def related(self, kind: str) -> list[Mapping[str, Component]]:
         """Give the components of all relations of a kind."""

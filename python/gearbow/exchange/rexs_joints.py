@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import number, shown
-from gearbow._lookup import nearest
+from gearbow._convert import nearest, number, shown
 from gearbow._shown import Shown
 from gearbow._types import Plain
 from gearbow.description.journal import Pad
@@ -167,10 +166,8 @@ class MissingValue(Shown):
     ----------
     argument : str
         "bearings" or "couplings", the argument of `gearbow.RotorSystem.read_rexs` that gives them.
-    name : str
-        Name of the part in the file.
-    part : str
-        Its type, dimensions and place.
+    name, part : str
+        Name of the part in the file; its type, dimensions and place.
     keys : tuple of str
         The parameters of `gearbow.Bearing`, `gearbow.RollingBearing` or `gearbow.Coupling`.
     hint : str
@@ -487,12 +484,8 @@ class Joints:
         return found
 
     def _parts(self, whole: Component, kind: str) -> list[Component]:
-        refs = [*self._file.related("assembly"), *self._file.related("ordered_assembly")]
-        return [
-            each["part"]
-            for each in refs
-            if each.get("assembly") is whole and "part" in each and each["part"].kind == kind
-        ]
+        pairs = self._file.assembled()
+        return [part for part, owner in pairs if owner is whole and part.kind == kind]
 
     def _add_coupling(self, joint: _Joint, couplings: Mapping[str, object]) -> None:
         component = joint.component

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from gearbow._core import Model
+from gearbow.description.planetary import orbiting
 from gearbow.exchange.rexs_file import Component, PlacedShaft, RexsFile, Shafts
 
 #: Stiffness of a rigid support against rotation [N m/rad], as that of a rigid coupling.
@@ -22,25 +23,16 @@ def with_orbits(description: dict[str, Any]) -> dict[str, Any]:
     gears = {gear["name"]: gear for gear in description["gears"]}
     names = [shaft["name"] for shaft in description["shafts"]]
     masses = dict(zip(names, Model(description).mass_properties(), strict=True))
-    found: dict[tuple[str, float], list[float]] = {}
+    found: dict[tuple[str, float], list[tuple[float, float]]] = {}
     for mesh in carried:
         rings = [name for name in (mesh["driver"], mesh["driven"]) if gears[name].get("internal")]
         if rings:
             (planet,) = {mesh["driver"], mesh["driven"]} - set(rings)
-            mass, distance = masses[gears[planet]["shaft"]][0], mesh["centre_distance"]
-            own = found.setdefault(tuple(mesh["carrier"]), [0.0, 0.0])
-            own[0] += mass
-            own[1] += mass * distance**2
+            one = (masses[gears[planet]["shaft"]][0], mesh["centre_distance"])
+            found.setdefault(tuple(mesh["carrier"]), []).append(one)
     disks = [
-        {
-            "name": f"planet masses on {shaft}",
-            "shaft": shaft,
-            "position": at,
-            "mass": mass,
-            "diametral_inertia": 0.5 * polar,
-            "polar_inertia": polar,
-        }
-        for (shaft, at), (mass, polar) in found.items()
+        orbiting(f"planet masses on {carrier[0]}", carrier, planets)
+        for carrier, planets in found.items()
     ]
     return {**description, "disks": [*description.get("disks", ()), *disks]}
 
@@ -50,16 +42,12 @@ class Planets:
 
     def __init__(self, file: RexsFile) -> None:
         self._file = file
-        self.stages = [each for each in file.components.values() if each.kind == "planetary_stage"]
+        self.stages = file.of_kind("planetary_stage")
         #: Types of components of a file with stages that are read.
         self.kinds = {"planetary_stage", "planet_carrier", "side_plate"} if self.stages else set()
         own = self._shafts("planet_carrier_shaft")
-        carried = {
-            refs["part"].id
-            for refs in file.related("assembly")
-            if {"part", "assembly"} <= refs.keys() and refs["assembly"].kind == "planet_carrier"
-        }
-        plates = {each.id for each in file.components.values() if each.kind == "side_plate"}
+        carried = {part.id for part, whole in file.assembled() if whole.kind == "planet_carrier"}
+        plates = {each.id for each in file.of_kind("side_plate")}
         #: Pins and side plates, which are rigid parts of the carrier.
         self.left_out = (self._shafts("planet_pin") | carried | plates | self._between(own)) - own
         self._carriers = own

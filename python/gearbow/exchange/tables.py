@@ -19,10 +19,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import shown
+from gearbow._convert import nearest, shown
 from gearbow._extras import extra
 from gearbow._files import as_path, parsing
-from gearbow._lookup import nearest
 from gearbow._types import Array
 from gearbow.errors import SceneError
 from gearbow.units.fields import is_frequency, unit_of
@@ -47,7 +46,7 @@ _NUMBER = re.compile(r"\s*[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 _THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(,\d{3})+\s*", re.ASCII)
 #: A comment; errors of Excel begin with the same sign.
 _COMMENT = re.compile(r"\s*#(?!N/A|DIV/0!|REF!|VALUE!|NUM!|NAME\?|NULL!)")
-#: Heading with a unit: "speed [rpm]" or "speed (rpm)".
+#: Heading with a unit: "phase [deg]" or "phase (deg)".
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
 #: What separates the words of a name.
 _SPACE = re.compile(r"[\s_-]+")
@@ -261,7 +260,6 @@ def _heading(
     hints: Mapping[str, str],
     where: str,
 ) -> _Heading:
-    """Read the heading of a column."""
     if len(cell) > _LONGEST_CELL:
         raise SceneError(f"{where}: {shown(cell)} is too long for a heading")
     words: set[str] = set()

@@ -68,15 +68,12 @@ class TrialInfluence(Figured, ReadOnly):
         Label of the probe.
     speeds : ndarray, shape (k,)
         Speed of the trial run [rad/s].
-    measured : ndarray, shape (k,)
-        Complex coefficient of the trial run [m/(kg m)].
-    model : ndarray, shape (k,)
-        That of the model between the same speeds [m/(kg m)].
+    measured, model : ndarray, shape (k,)
+        Complex coefficients of the trial run and of the model between the same speeds [m/(kg m)].
     half_widths : ndarray, shape (k,)
-        Half width of the 95 % interval of each component of the measured one, which follows from
-        the noise of both runs [m/(kg m)].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables.
+        Half width of the 95 % interval of each measured component by the noise [m/(kg m)].
+    speed_unit : str
+        Unit of speeds in tables, as for `table`.
 
     Examples
     --------
@@ -170,11 +167,10 @@ class Correction(Figured, ReadOnly, Generic[S]):
         Influence coefficients of the model: amplitudes along y and z per unbalance [m/(kg m)].
     system : RotorSystem
         The identified system with the weights.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`.
     trials : TrialInfluence, optional
-        Influence coefficients of the trial runs beside those of the model; None without runs that
-        have one trial weight each.
+        Influence coefficients of trial runs with one weight each, beside the model; None without.
     left_out : tuple of str
         Excitations of the system that the model of the vibration does not contain.
 

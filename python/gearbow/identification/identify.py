@@ -79,8 +79,6 @@ def identify(
         If the parameters do not converge.
     GearbowError
         If there are too few amplitudes to estimate the noise.
-    MissingExtraError
-        If parameters are unknown, and SciPy is not installed.
 
     Warns
     -----

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, complex_number, items, number, shown, text, whole
+from gearbow._convert import array, complex_number, items, number, one_of, shown, text, whole
 from gearbow._files import as_path
-from gearbow._lookup import one_of
 from gearbow._result import Column, Figured, in_degrees, in_micrometres
 from gearbow._shown import ReadOnly, span
 from gearbow._types import Array, At, ComplexArray
@@ -21,7 +20,7 @@ from gearbow.errors import AccuracyWarning, SceneError, warn
 from gearbow.exchange.tables import DETECTIONS, VIBRATION, NamedColumns, Table, read_table
 from gearbow.sensors import Probe, Tacho
 from gearbow.units.parse import parsed
-from gearbow.units.speed import SpeedUnit, given_unit, speed_factor
+from gearbow.units.speed import SpeedUnit, given_unit, speed_factor, unit_in_texts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,13 +82,8 @@ class Measurement(Figured, ReadOnly):
         disk or (shaft, position [m]).
     slow_roll : float, optional
         Speed whose amplitudes were subtracted from all others [rad/s].
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`.
 
     Examples
     --------
@@ -181,8 +175,7 @@ class Measurement(Figured, ReadOnly):
             one it is the SI unit. It says what its amplitudes are by "pp", "p-p" or "pk-pk" (peak
             to peak), "pk" or "0-pk" (zero to peak) or "rms": "amplitude p-p [mil]".
         probes : mapping, optional
-            Probes by their names in the table. The name "input@0.2 y" or "input@200 mm z" says
-            where a probe is.
+            Probes by their names in the table; "input@0.2 y" or "input@200 mm z" says the place.
         detection : {"peak", "peak-to-peak", "rms"}, optional
             What amplitudes are whose heading does not say it; None is zero to peak.
         **options
@@ -198,10 +191,6 @@ class Measurement(Figured, ReadOnly):
         SceneError
             If a heading, a unit or a number is invalid, a column is missing, a probe occurs twice
             at one speed, or phases without a unit are no radians.
-        MissingExtraError
-            If the format needs a library that is not installed.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----
@@ -259,7 +248,7 @@ class Measurement(Figured, ReadOnly):
             lines[row, column] = i
             table[row, column] = vector
         _warn_of_missing(table, speeds, known, str(path))
-        unit: SpeedUnit = "rpm" if found.units["speed"].strip() == "rpm" else "rad/s"
+        unit = unit_in_texts(f"1 {found.units['speed']}")
         return cls(speeds, table, known, references=references, speed_unit=unit, **options)
 
     @classmethod
@@ -342,8 +331,6 @@ class Measurement(Figured, ReadOnly):
         ------
         SceneError
             If the file is damaged, has no such signal, or a signal has no pulses.
-        OSError
-            If the file cannot be opened.
 
         See Also
         --------

@@ -10,8 +10,7 @@ from typing import Any, Generic, TypeAlias
 
 import numpy as np
 
-from gearbow._convert import shown
-from gearbow._lookup import nearest
+from gearbow._convert import nearest, shown
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import body_of, with_unbalances
@@ -436,5 +435,4 @@ def with_numbers(system: S, unknowns: Sequence[ParameterUnknown], values: Sequen
 
 
 def _number(system: System, unknown: ParameterUnknown, where: str = "unknowns") -> Parameter:
-    """Find an unknown parameter in a system."""
     return Parameter.find(lambda key: getattr(system, key), unknown.path, where, several=True)

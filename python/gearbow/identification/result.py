@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import text
-from gearbow._lookup import nearest
+from gearbow._convert import nearest, text
 from gearbow._result import Column, Figured, in_degrees
 from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
@@ -43,8 +42,7 @@ class ProbeResidual(Shown):
     degrees_of_freedom : float
         Expected value of this sum: the components of the probe minus their share of the unknowns.
     probability : float
-        Probability of a larger sum if model and noise are right. A small one says that the model
-        does not describe what this probe shows.
+        Probability of a larger sum if model and noise are right; small where the model is wrong.
 
     Examples
     --------
@@ -70,10 +68,8 @@ class Identification(Figured, ReadOnly, Estimates[S]):
 
     Parameters
     ----------
-    names : tuple of str
-        Names of the unknowns, for example "bow of input, half wave 1".
-    units : tuple of str
-        Unit of each unknown.
+    names, units : tuple of str
+        Names of the unknowns, for example "bow of input, half wave 1", and their units.
     values : ndarray, shape (unknowns,)
         Complex amplitudes; their argument is the angle in the shaft. Parameters are real. A
         combination that data and priors do not determine is zero.
@@ -82,8 +78,7 @@ class Identification(Figured, ReadOnly, Estimates[S]):
     estimates : ndarray, shape (components,)
         The components.
     covariance : ndarray, shape (components, components)
-        Covariance of the components. A component that the data do not determine has an infinite
-        variance.
+        Covariance of the components; infinite for one that the data do not determine.
     factor : float
         Half width of a 95 % interval over the standard deviation.
     singular_values : ndarray, shape (components,)
@@ -108,8 +103,8 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         Fitted amplitudes [m]; NaN where none was measured.
     system : RotorSystem
         The system with the identified values.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`.
     left_out : tuple of str
         Excitations of the system that the model of the vibration does not contain.
 
@@ -222,11 +217,6 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         -------
         complex
             The estimate.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such unknown.
         """
         if text(name, "name") not in self.names:
             raise GearbowError(
@@ -258,11 +248,6 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         Correction
             Weights, the expected residual with its interval, and the system with the weights. Run-
             out of probes is no vibration and is not balanced.
-
-        Raises
-        ------
-        SceneError
-            If an argument is invalid.
         """
         return correct(self, planes, speeds, points)
 

@@ -14,8 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from gearbow._convert import array, number, positive, text, whole
-from gearbow._lookup import nearest
+from gearbow._convert import array, nearest, number, positive, text, whole
 from gearbow._shown import Shown
 from gearbow._types import At
 from gearbow.description.places import place
@@ -85,11 +84,6 @@ def bow(
     -------
     BowUnknown
         The unknown, one complex amplitude [m] for each shape or point.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
     """
     chosen = None if points is None else tuple(array(points, "unknown.bow.points").tolist())
     if chosen is not None and shapes != 1:
@@ -112,11 +106,6 @@ def unbalance(at: At, *, prior: float | None = None) -> UnbalanceUnknown:
     -------
     UnbalanceUnknown
         The unknown, a complex unbalance [kg m].
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
     """
     where = place(at, "unknown.unbalance.at", "place")
     return UnbalanceUnknown(where, _prior(prior, "unbalance"))
@@ -135,11 +124,6 @@ def runout(*, prior: float | None = None) -> RunoutUnknown:
     -------
     RunoutUnknown
         The unknown, one complex constant [m] for each probe.
-
-    Raises
-    ------
-    SceneError
-        If the prior is not positive.
     """
     return RunoutUnknown(_prior(prior, "runout"))
 
@@ -159,11 +143,6 @@ def parameter(path: str, *, prior: tuple[float, float] | None = None) -> Paramet
     -------
     ParameterUnknown
         The unknown. Its value keeps the sign of the expected value, or of that in the system.
-
-    Raises
-    ------
-    SceneError
-        If an argument is invalid.
     """
     expected = None
     if prior is not None:

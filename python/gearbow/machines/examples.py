@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from gearbow._lookup import nearest
+from gearbow._convert import nearest
 from gearbow._shown import Shown
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
@@ -21,10 +21,8 @@ class Example(Shown):
 
     Parameters
     ----------
-    name : str
-        Name of the machine.
-    title : str
-        What it is.
+    name, title : str
+        Name of the machine, and what it is.
     speed : float
         Rated speed of the reference shaft [rad/s].
     path : Path
@@ -54,8 +52,7 @@ def examples() -> dict[str, Example]:
     Returns
     -------
     dict of str to Example
-        Machines by name: trains, gearboxes and rotors with bows, from 45 to 2,000 degrees of
-        freedom.
+        Trains, gearboxes and rotors with bows by name, from 45 to 2,000 degrees of freedom.
 
     Examples
     --------
@@ -64,7 +61,7 @@ def examples() -> dict[str, Example]:
     >>> system.speed_ratios.round(2)
     array([  1.  , -14.26])
     """
-    return {name: _read(path) for name, path in scene_files().items()}
+    return {name: described(path) for name, path in scene_files().items()}
 
 
 def scene_files() -> dict[str, Path]:
@@ -72,14 +69,14 @@ def scene_files() -> dict[str, Path]:
     return {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}
 
 
-def _read(path: Path) -> Example:
-    """Read title and rated speed from the header of a file."""
+def described(path: Path) -> Example:
+    """Give a machine with the title and the rated speed in the header of its file."""
     header = path.read_text(encoding="utf-8")
     title, found = _TITLE.match(header), _SPEED.search(header)
     if title is None or found is None:
         raise SceneError(f"{path}: the header must name the machine and its rated speed")
-    value = float(found[1])
-    return Example(path.stem, title[1], rpm(value) if found[2] == "rpm" else value, path)
+    speed = rpm(float(found[1])) if found[2] == "rpm" else float(found[1])
+    return Example(path.stem, title[1], speed, path)
 
 
 def example(name: str) -> Example:
@@ -91,4 +88,4 @@ def example(name: str) -> Example:
         raise SceneError(
             f"example: there is no machine {name!r}{few}; there are {', '.join(known)}"
         )
-    return _read(known[matches[0]])
+    return described(known[matches[0]])

@@ -2,7 +2,6 @@
 
 from gearbow.description.layout import Kinematics, Order
 from gearbow.orders.fit import Orders
-from gearbow.orders.spectrum import Spectrum
-from gearbow.orders.waterfall import Waterfall, waterfall
+from gearbow.orders.spectrum import Spectrum, Waterfall, waterfall
 
 __all__ = ["Kinematics", "Order", "Orders", "Spectrum", "Waterfall", "waterfall"]

@@ -83,10 +83,8 @@ class Orders(WithSpeeds, Result, ReadOnly):
         Mean of the signal.
     rest : float
         RMS of the remainder in the unit of the signal. A sine of amplitude A has the RMS A/√2.
-    label : str
-        Name of the signal, e.g. "g1 v".
-    unit : str
-        Unit of the signal.
+    label, unit : str
+        Name of the signal, e.g. "g1 v", and its unit.
     times : ndarray, shape (m,)
         Times in the middle of the segments [s]; m is 1 for a complete record.
     speeds : ndarray, shape (m,)
@@ -144,11 +142,6 @@ class Orders(WithSpeeds, Result, ReadOnly):
         -------
         float
             Amplitude in the unit of the signal; at a changing speed, the largest one.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such order.
         """
         return float(abs(self.amplitudes[self._index(name)]))
 
@@ -164,11 +157,6 @@ class Orders(WithSpeeds, Result, ReadOnly):
         -------
         ndarray, shape (m,)
             Amplitudes at `times` and `speeds` in the unit of the signal.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such order.
         """
         found: Array = np.abs(self.tracks[:, self._index(name)])
         return found
@@ -217,8 +205,8 @@ class Orders(WithSpeeds, Result, ReadOnly):
             Number of orders; None is 12 bars or 6 lines.
         ax : Axes, optional
             Panel for the figure; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is `speed_unit` of the result.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the result.
 
         Returns
         -------

@@ -19,10 +19,9 @@ from PIL import Image
 from gearbow._types import Array
 from gearbow.description.layout import BodyOutline
 from gearbow.description.train import Train
-from gearbow.plotting import views
 from gearbow.plotting.style import PALETTE, STYLE, colour, plain_texts, round_factor
-from gearbow.plotting.views import bows
-from gearbow.units.speed import speed_text
+from gearbow.plotting.train import bows, circles, end_extent, line_of_action
+from gearbow.units.speed import PER_MINUTE, speed_text
 
 #: Size of a frame [in] and its resolution [dot/in].
 _SIZE, _DPI = (11.0, 5.0), 80
@@ -65,7 +64,7 @@ def frames(motion: Motion, magnify: float | None) -> Iterator[Image.Image]:
             view, marks = _panels(figure, motion)
             moving = [
                 _Body(view, motion, body, factor)
-                for body in views.circles(motion.train)
+                for body in circles(motion.train)
                 if body.name in motion.centres
             ]
         line = _Line(view, motion, factor) if motion.mesh is not None else None
@@ -92,7 +91,7 @@ def frames(motion: Motion, magnify: float | None) -> Iterator[Image.Image]:
 
 def _title(motion: Motion, n: int, factor: float) -> str:
     return (
-        f"t = {motion.time[n]:.4f} s, {speed_text(motion.speed[n], 'rpm', '.0f')}; "
+        f"t = {motion.time[n]:.4f} s, {speed_text(motion.speed[n], PER_MINUTE, '.0f')}; "
         f"motion and bow × {factor:g}, slowed down {motion.slow:.3g} times"
     )
 
@@ -153,7 +152,7 @@ class _Line:
         pitch = a + (b - a) * radii[0] / sum(radii)
         sense = float(np.sign(motion.train.ratios[pair[0].shaft] * (motion.speed[0] or 1.0)))
         leaning = -mesh.pressure_angle if pair[0].internal else mesh.pressure_angle
-        way = views.line_of_action(leaning, mesh.centre_line_angle, sense)
+        way = line_of_action(leaning, mesh.centre_line_angle, sense)
         reach = 0.9 * min(body.radius for body in pair)
         self._ends = np.stack([pitch - reach * way, pitch + reach * way], axis=1)
         self._middle = pitch
@@ -191,7 +190,7 @@ def _panels(figure: Figure, motion: Motion) -> tuple[Axes, Sequence[Any]]:
 
 def _limits(view: Axes, motion: Motion, factor: float) -> None:
     """Set limits that include all parts at all times."""
-    left, bottom, right, top = views.end_extent(motion.train)
+    left, bottom, right, top = end_extent(motion.train)
     shift = factor * max(float(np.abs(values).max()) for values in motion.centres.values())
     margin = shift + 0.1 * (top - bottom)
     view.set(xlim=(left - margin, right + margin), ylim=(bottom - margin, top + margin))
@@ -200,7 +199,7 @@ def _limits(view: Axes, motion: Motion, factor: float) -> None:
 def _factor(motion: Motion) -> float:
     """Choose a round factor at which the largest displacement is visible."""
     largest = max(float(np.abs(values).max()) for values in motion.centres.values())
-    radii = [body.radius for body in views.circles(motion.train) if body.name in motion.centres]
+    radii = [body.radius for body in circles(motion.train) if body.name in motion.centres]
     return round_factor(_LARGEST * min(radii) / largest) if largest > 0.0 else 1.0
 
 

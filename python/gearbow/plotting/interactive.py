@@ -176,7 +176,6 @@ class _Converter:
         return {"data": self.data, "layout": self.layout}
 
     def _panel(self, panel: Axes, number: int, named: set[str]) -> None:
-        """Convert one panel."""
         end = "" if number == 0 else str(number + 1)
         box = panel.get_position()
         for axis, low, high, other in (("x", box.x0, box.x1, "y"), ("y", box.y0, box.y1, "x")):
@@ -256,7 +255,6 @@ class _Converter:
         return {"size": self.scale * float(text.get_fontsize()), "color": _css(text.get_color())}
 
     def _artist(self, panel: Axes, artist: Line2D | Patch, end: str, named: set[str]) -> None:
-        """Convert a line or an area."""
         transform: Transform = artist.get_transform()
         along, upright = transform.contains_branch_seperately(panel.transData)
         axes = {"xref": f"x{end}", "yref": f"y{end}"}
@@ -492,7 +490,6 @@ def _html(text: Text) -> str:
 
 
 def _css(colour: Any, alpha: float | None = None) -> str:
-    """Write a colour for plotly."""
     if isinstance(colour, str) and colour == "none":
         return "rgba(0,0,0,0)"
     red, green, blue, opacity = to_rgba(colour, alpha)

@@ -273,7 +273,6 @@ def _ring(position: float, radius: float, moved: Array, around: Array) -> Array:
 
 
 def _tube(shaft: ShaftOutline, motion: _Motion, shade: str) -> Iterator[Surface | Path]:
-    """Give the moved surface of a shaft."""
     stations = [
         (position, step.radius(position))
         for step in shaft.steps

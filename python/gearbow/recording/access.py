@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,25 +51,20 @@ class EnergyBalance(Figured, ReadOnly):
         Kinetic energy of the vibration, without that of the rigid-body rotation [J].
     shafts : ndarray, shape (k,)
         Elastic energy of the shafts; a bowed shaft without load has none [J].
-    bearings : ndarray, shape (k,)
-        Elastic energy of the bearings [J].
-    meshes : ndarray, shape (k,)
-        Elastic energy of the meshes [J].
-    torque : ndarray, shape (k,)
-        Work of the torques on the vibration [J].
-    gravity : ndarray, shape (k,)
-        Work of gravity [J].
+    bearings, meshes : ndarray, shape (k,)
+        Elastic energy of the bearings, and of the meshes [J].
+    torque, gravity : ndarray, shape (k,)
+        Work of the torques on the vibration, and of gravity [J].
     drive : ndarray, shape (k,)
-        Work of the drive that keeps bowed shafts, and deflected ones with internal damping, at the
-        prescribed speed and changes the stiffness of bearings with the speed [J].
+        Work of the drive that keeps bowed shafts, deflected ones with internal damping, and
+        carriers with planets that move laterally, at the prescribed speed and changes the stiffness
+        of bearings with the speed [J]. The energies of such planets are relative to the carrier.
     unbalance : ndarray, shape (k,)
         Work of the unbalance [J].
     teeth : ndarray, shape (k,)
-        Work of the prescribed excitation of the teeth: time-varying stiffness, transmission error
-        and run-out [J].
+        Work of the teeth: time-varying stiffness, transmission error and run-out [J].
     damping : ndarray, shape (k,)
-        Work of all damping forces, which is negative, and of the cross-coupled stiffness of
-        bearings [J].
+        Work of damping forces, negative, and of the cross-coupled stiffness of bearings [J].
 
     Notes
     -----
@@ -178,10 +173,8 @@ class BearingMotion(ReadOnly):
     attitude_angle : float or ndarray, shape (k,), optional
         Angle from the force to the displacement, from y towards z [rad], between −π and π. In a
         steady film it has the sign of the rotation of the shaft. None for a rolling bearing.
-    loaded_elements : ndarray, shape (k,), optional
-        Number of rolling elements that carry load; None for a journal bearing.
-    largest_contact_force : ndarray, shape (k,), optional
-        Contact force of the most loaded rolling element [N]; None for a journal bearing.
+    loaded_elements, largest_contact_force : ndarray, shape (k,), optional
+        Number of loaded rolling elements and largest contact force [N]; None for a journal bearing.
 
     Examples
     --------
@@ -293,7 +286,6 @@ def rolling(run: RunRecord, at: object) -> BearingMotion:
 
 
 def _bearing(run: RunRecord, at: object) -> int:
-    """Find a recorded bearing."""
     i = Places.of("bearing", run.data["bearings"]).find(at)
     if i is None:
         shaft, position = place(at)
@@ -333,6 +325,42 @@ def at_side(sections: Sequence[Section], side: str) -> int:
     return next((i for i, (*_, own) in enumerate(sections) if own == side), 0)
 
 
+class PlanetMotion(NamedTuple):
+    """Angle of a planet about the axis of a ring [rad] and force of their mesh [N], (k,) each."""
+
+    angle: Array
+    force: Array
+
+
+def planets_of(run: RunRecord, ring: str) -> list[PlanetMotion]:
+    """Give the motion of all gears that mesh with an internal gear; they turn with the carrier."""
+    if run.request is None:
+        raise ChannelError("the positions of the planets are unknown: the response has no scene")
+    scene = run.request.description
+    bodies = {each["name"]: each for each in (*scene["gears"], *scene.get("disks", ()))}
+    if not bodies.get(ring, {}).get("internal"):
+        internal = [name for name, each in bodies.items() if each.get("internal")]
+        raise ChannelError(
+            f'ring_sensor.ring: no internal gear is called "{ring}"; there are '
+            f"{', '.join(internal) or 'none'}"
+        )
+    found = []
+    for each in scene["meshes"]:
+        if ring not in (each["driver"], each["driven"]):
+            continue
+        carrier = each.get("carrier")
+        turned: float | Array = 0.0
+        if carrier is not None:
+            shaft = bodies[carrier]["shaft"] if isinstance(carrier, str) else carrier[0]
+            turned = angle(run, shaft)
+        # The line of centres goes from the driver to the driven gear.
+        opposite = np.pi if each["driven"] == ring else 0.0
+        at_rest = each.get("centre_line_angle", 0.0) + opposite
+        force = mesh(run, (each["driver"], each["driven"])).force
+        found.append(PlanetMotion(at_rest + turned * np.ones_like(run.time), force))
+    return found
+
+
 def mesh(run: RunRecord, at: object) -> MeshResponse:
     """Give the time history of one mesh."""
     i = _mesh(run, at)
@@ -353,7 +381,6 @@ def mesh_names(run: RunRecord, at: object) -> tuple[str, str]:
 
 
 def _mesh(run: RunRecord, at: object) -> int:
-    """Find a recorded mesh."""
     i = Places.of("mesh", run.data["meshes"]).find(at)
     if i is None:
         driver, driven = place(at)
@@ -362,7 +389,6 @@ def _mesh(run: RunRecord, at: object) -> int:
 
 
 def _mesh_values(run: RunRecord, mesh: int) -> dict[str, Array]:
-    """Give the recorded quantities of a mesh."""
     return {name: values[:, mesh] for name, values in run.data["mesh"].items()}
 
 

@@ -56,14 +56,8 @@ class ContactShares(Shown):
 
     Parameters
     ----------
-    drive : float
-        Share with contact of the drive flanks only.
-    back : float
-        Share with contact of the back flanks only.
-    both : float
-        Share with contact of both flanks.
-    none : float
-        Share without contact.
+    drive, back, both, none : float
+        Shares with contact of the drive flanks only, the back flanks only, both, and none.
 
     Examples
     --------
@@ -249,6 +243,15 @@ class RunRecord(Shown):
             f"(recorded: {recorded})"
         )
 
+    def asked(self, by: str) -> RunRequest:
+        """Give the request of the run, without which the system is unknown."""
+        if self.request is None:
+            raise GearbowError(
+                f"{by}: this response does not know its system; take a response that simulate "
+                "returned or that save wrote"
+            )
+        return self.request
+
     def _to_record(self) -> "RunRecord":
         """Give the record, as a response does."""
         return self
@@ -287,10 +290,8 @@ class Event(NamedTuple):
     ----------
     time : float
         Time [s].
-    driver : str
-        Name of the driving gear.
-    driven : str
-        Name of the driven gear.
+    driver, driven : str
+        Names of the driving and the driven gear.
     kind : str
         "contact" (the drive flanks meet), "back contact" (the back flanks meet), "separation" (the
         flanks separate), "tight" (both flanks are in contact), "contact ratio below 1", "contact
@@ -331,19 +332,15 @@ class MeshResponse(ReadOnly):
     stiffness : ndarray, shape (k,)
         Mesh stiffness [N/m].
     pressure_angle : ndarray, shape (k,)
-        Operating pressure angle at the moving centres [rad]; NaN where the base circles overlap,
-        which only frozen geometry allows.
+        Operating pressure angle [rad]; NaN where base circles overlap, in frozen geometry only.
     centre_distance : ndarray, shape (k,)
         Distance between the moving centres [m].
     centre_line_angle : ndarray, shape (k,)
         Angle of the line of centres, driver to driven, from y towards z [rad].
-    contact_ratio : ndarray, shape (k,)
-        Contact ratio at the moving centres, NaN where the base circles overlap.
-    pairs_in_contact : ndarray, shape (k,)
-        Number of tooth pairs that carry load.
+    contact_ratio, pairs_in_contact : ndarray, shape (k,)
+        Contact ratio, NaN where base circles overlap, and number of tooth pairs that carry load.
     thrust : ndarray, shape (k,)
-        Axial force of the teeth on the driven gear along x [N], zero for spur gears; the driver is
-        subject to the opposite force.
+        Axial force of the teeth on the driven gear [N], opposite on the driver; zero of spur gears.
     friction_force : ndarray, shape (k,)
         Friction of all pairs on the driven gear [N], across the line of action of the pressed
         flanks, positive from the centre of the driver to its tangent point.
@@ -351,8 +348,7 @@ class MeshResponse(ReadOnly):
         Power that the friction dissipates [W].
     contact : ndarray of int8, shape (k,)
         Flanks in contact, as values of `gearbow.results.Contact`: 0 none, 1 drive, 2 back, 3 both.
-        They follow from the events, which are exact. `Response.contact_shares` gives shares of
-        the time.
+        They follow from the exact events. `Response.contact_shares` gives shares of the time.
 
     Examples
     --------
@@ -391,8 +387,7 @@ class Statistics(Shown):
     Parameters
     ----------
     steps, rejected, evaluations, events : int
-        Numbers of steps, of rejected steps, of evaluations of the right-hand side, and of contact
-        changes at which a step ends.
+        Numbers of steps, of rejected ones, of evaluations, and of contact changes that end a step.
     step_min, step_max : float
         Lengths of the shortest and of the longest step [s].
     omega_max : float

@@ -1,7 +1,7 @@
 """Unbalance placement and level 1 of the stability analysis of API 617, for a report.
 
 API Standard 617 (2002) and API RP 684 (2005). The unbalance of the response analysis is twice
-6350 W/N [g mm], with the mass W on the journals [kg] and the highest continuous speed N [rpm].
+6350 W/N [g mm], with the mass W on the journals [kg] and the highest continuous speed N [1/min].
 Level 1 raises a cross-coupled stiffness in the middle of the rotor until the first forward mode
 loses its damping.
 """
@@ -16,17 +16,16 @@ import numpy as np
 from gearbow._result import Column, in_micrometres
 from gearbow._types import Array
 from gearbow.analysis.protocol import variant
-from gearbow.description.bow_limit import largest_displacement
+from gearbow.description.bow import largest_displacement
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Bearing
 from gearbow.description.places import place_label
-from gearbow.report.page import Block, Table, note, picture
+from gearbow.report.page import Block, Table, note, picture, say
 from gearbow.report.shared import Contents
-from gearbow.report.texts import say
 from gearbow.results.modes import Modes
-from gearbow.units.speed import speed_factor
+from gearbow.units.speed import PER_MINUTE, speed_factor
 
-#: Unbalance of the response analysis: W/N times this [g mm rpm/kg].
+#: Unbalance of the response analysis: W/N times this [g mm/(kg min)].
 _UNBALANCE = 2.0 * 6350.0
 #: Displacement of a second plane from which it has half the unbalance, relative to the largest.
 _SECOND_PLANE = 0.5
@@ -54,32 +53,31 @@ def unbalance(contents: Contents) -> Iterator[Block]:
     planes: dict[str, complex] = {}
     rows: list[tuple[Any, ...]] = []
     first: dict[str, str] = {}
-    for shaft, ratio, mass in zip(
-        system.shafts, system.speed_ratios, system.mass_properties().mass, strict=True
-    ):
-        own = [body.name for body in bodies if body.shaft == shaft.name]
-        mode = _own_mode(contents.modes, shaft.name)
+    weights = system.mass_properties().mass
+    for (shaft, ratio), mass in zip(ratios_by_shaft(system).items(), weights, strict=True):
+        own = [body.name for body in bodies if body.shaft == shaft]
+        mode = _own_mode(contents.modes, shaft)
         if not own or mode is None:
             lacks = say("no mode of its own among {count}", count=len(contents.modes.whirl))
             if not own:
                 lacks = say("no gear or disk as a plane")
             yield note(
                 "Unbalance placement of API 617: {shaft} has {lacks}.",
-                shaft=shaft.name,
+                shaft=shaft,
                 lacks=lacks,
             )
             continue
-        rpm = abs(ratio * speed) * speed_factor("rpm")
-        amount = 1e-6 * _UNBALANCE * mass / rpm
+        turns = abs(ratio * speed) * speed_factor(PER_MINUTE)
+        amount = 1e-6 * _UNBALANCE * mass / turns
         chosen = _planes(contents.modes, mode, own)
         planes |= {name: amount * share for name, share in chosen.items()}
-        first[shaft.name] = next(iter(chosen))
+        first[shaft] = next(iter(chosen))
         hertz, whirl = contents.modes.frequencies_hz[mode], contents.modes.whirl[mode]
         places = ", ".join(
             name if share.real > 0 else say("{name} (opposite)", name=name)
             for name, share in chosen.items()
         )
-        rows.append((shaft.name, mass, rpm, hertz, whirl, places, 1e6 * amount))
+        rows.append((shaft, mass, turns, hertz, whirl, places, 1e6 * amount))
     if not rows:
         return
     names, masses, speeds, frequencies, whirls, at, amounts = zip(*rows, strict=True)
@@ -88,7 +86,7 @@ def unbalance(contents: Contents) -> Iterator[Block]:
         [
             Column("shaft", names),
             Column("mass W", np.array(masses), "kg"),
-            Column("speed N", np.array(speeds), "rpm", ".5g"),
+            Column("speed N", np.array(speeds), PER_MINUTE, ".5g"),
             Column("mode", np.array(frequencies), "Hz", ".4g"),
             Column("whirl", whirls),
             Column("planes", at),

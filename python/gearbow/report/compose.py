@@ -13,9 +13,8 @@ from gearbow._progress import reported
 from gearbow._types import Progress
 from gearbow.description.time_series import refuse_functions
 from gearbow.report.contents import SECTIONS
-from gearbow.report.page import Block, Code, Section, note, write
+from gearbow.report.page import Block, Code, Section, note, say, speaking, word, write
 from gearbow.report.shared import Contents, Options
-from gearbow.report.texts import say, speaking, word
 from gearbow.units.speed import other_unit, speed_text
 
 #: Sections whose findings come first in the summary; the others follow in their order.

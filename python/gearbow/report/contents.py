@@ -12,23 +12,20 @@ from typing import Any
 import numpy as np
 
 from gearbow._result import Column, in_micrometres, in_percent, replaced
-from gearbow.description.bow_limit import BowLimit
-from gearbow.description.layout import assumptions, tooth_orders
+from gearbow.description.bow import BowLimit
+from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_orders
 from gearbow.description.places import place_label
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Shaft, segments_of
 from gearbow.report import api617
-from gearbow.report.motion import motion
-from gearbow.report.page import Block, Note, Picture, Table, note, parts_tables, picture
-from gearbow.report.resonances import resonances
+from gearbow.report.operation import motion, resonances, strength
+from gearbow.report.page import Block, Note, Picture, Table, note, parts_tables, picture, say, word
 from gearbow.report.shared import UNDAMPED, Contents, Make, margins, reason_of, resonances_of
-from gearbow.report.strength import strength
-from gearbow.report.texts import say, word
 from gearbow.results.bow_limits import BowLimits
 from gearbow.results.campbell import Intersection
 from gearbow.results.modes import Modes
 from gearbow.results.peak import marks
-from gearbow.units.speed import speed_factor
+from gearbow.units.speed import PER_MINUTE, speed_factor
 
 #: Damping ratio from which a mode is no resonance, and number of critical speeds of the summary.
 _OVERDAMPED, _NAMED = 0.7, 6
@@ -42,15 +39,15 @@ def drawing(contents: Contents) -> Iterator[Block]:
     yield picture(system.plot(), say("The train to scale; bows are enlarged."))
     turns, tooth = contents.speed / (2.0 * math.pi), tooth_orders(system)
     rows = []
-    for shaft, ratio in zip(system.shafts, system.speed_ratios, strict=True):
-        gears = [gear for gear in system.gears if gear.shaft == shaft.name]
-        row = [shaft.name, f"{ratio:.6g}"]
+    for shaft, ratio in ratios_by_shaft(system).items():
+        gears = [gear for gear in system.gears if gear.shaft == shaft]
+        row = [shaft, f"{ratio:.6g}"]
         if contents.speed:
             row += [f"{60.0 * ratio * turns:.6g}", f"{abs(ratio * turns):.6g}"]
         row.append(", ".join(f"{gear.name} ({gear.teeth})" for gear in gears))
         teeth = [tooth[gear.name] * (abs(turns) or 1.0) for gear in gears]
         rows.append([*row, ", ".join(dict.fromkeys(f"{each:.6g}" for each in teeth))])
-    head = ["shaft", "speed ratio", "speed [rpm]", "1× [Hz]", "gears (teeth)"]
+    head = ["shaft", "speed ratio", f"speed [{PER_MINUTE}]", "1× [Hz]", "gears (teeth)"]
     title = say("Shafts and tooth frequencies")
     if contents.speed:
         speed = contents.text(contents.speed)
@@ -74,7 +71,7 @@ def data(contents: Contents) -> Iterator[Block]:
         "Positions count from the left end of a shaft."
     )
     yield from parts_tables(system)
-    assumed = assumptions(system.shafts, system.gears, system.meshes, system.bearings)
+    assumed = assumptions(system)
     if assumed:
         yield Table(
             say("Assumed where the description says nothing"),

@@ -14,15 +14,13 @@ import numpy as np
 from gearbow._result import Column
 from gearbow._types import Array, Language
 from gearbow.analysis.bow_motion import with_elements_for
-from gearbow.description.bow import Bow, amplitude_of, scaled
-from gearbow.description.bow_limit import BowLimit
+from gearbow.description.bow import Bow, BowLimit, amplitude_of, scaled
 from gearbow.description.layout import ratios_by_shaft, tooth_orders
 from gearbow.description.places import Support, housing_and_interface, other_shaft
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.errors import ConvergenceError, GearbowError, StabilityError
-from gearbow.report.page import Block, Section, note
-from gearbow.report.texts import say, word
+from gearbow.report.page import Block, Section, note, say, word
 from gearbow.results.campbell import Campbell, Intersection
 from gearbow.results.modes import Modes
 from gearbow.results.peak import Peak

@@ -26,8 +26,7 @@ _NAMES = {
     "gearbow.exchange.rexs": ("LoadCase", "RexsContents"),
     "gearbow.exchange.rexs_joints": ("MissingValue",),
     "gearbow.orders.fit": ("Orders",),
-    "gearbow.orders.spectrum": ("Spectrum",),
-    "gearbow.orders.waterfall": ("Waterfall",),
+    "gearbow.orders.spectrum": ("Spectrum", "Waterfall"),
     "gearbow.recording.access": ("BearingMotion", "EnergyBalance"),
     "gearbow.recording.record": (
         "Contact",
@@ -45,7 +44,6 @@ _NAMES = {
         "Intersection",
         "StabilityThreshold",
     ),
-    "gearbow.results.continuation": ("Continuation",),
     "gearbow.results.critical_speeds": ("CriticalSpeedMap",),
     "gearbow.results.properties": ("Discretisation", "MassProperties", "Matrices", "ShaftElements"),
     "gearbow.results.section_forces": ("SectionForces",),
@@ -58,7 +56,7 @@ _NAMES = {
     "gearbow.results.peak": ("Peak", "Peaks"),
     "gearbow.results.response": ("Response",),
     "gearbow.results.sensitivity": ("ResponseSensitivity", "Sensitivity"),
-    "gearbow.results.steady": ("SteadyState",),
+    "gearbow.results.steady": ("Continuation", "SteadyState"),
     "gearbow.results.synchronous": ("Synchronous",),
     "gearbow.results.thermal": ("ThermalSpiral", "ThermalStability"),
     "gearbow.sweeps.result": ("Sweep", "SweepPoint"),
@@ -91,8 +89,7 @@ if _typing.TYPE_CHECKING:
         ProbeResidual as ProbeResidual,
     )
     from gearbow.orders.fit import Orders as Orders
-    from gearbow.orders.spectrum import Spectrum as Spectrum
-    from gearbow.orders.waterfall import Waterfall as Waterfall
+    from gearbow.orders.spectrum import Spectrum as Spectrum, Waterfall as Waterfall
     from gearbow.recording.access import (
         BearingMotion as BearingMotion,
         EnergyBalance as EnergyBalance,
@@ -117,7 +114,6 @@ if _typing.TYPE_CHECKING:
         Intersection as Intersection,
         StabilityThreshold as StabilityThreshold,
     )
-    from gearbow.results.continuation import Continuation as Continuation
     from gearbow.results.critical_speeds import CriticalSpeedMap as CriticalSpeedMap
     from gearbow.results.frequency_response import FrequencyResponse as FrequencyResponse
     from gearbow.results.harmonic import FrequencyComparison as FrequencyComparison
@@ -140,7 +136,7 @@ if _typing.TYPE_CHECKING:
         MeshState as MeshState,
         Static as Static,
     )
-    from gearbow.results.steady import SteadyState as SteadyState
+    from gearbow.results.steady import Continuation as Continuation, SteadyState as SteadyState
     from gearbow.results.stresses import Stresses as Stresses
     from gearbow.results.synchronous import Synchronous as Synchronous
     from gearbow.results.thermal import (

@@ -6,7 +6,7 @@ from typing import Any, Generic, TypeVar, get_args
 
 from numpy.typing import ArrayLike
 
-from gearbow._lookup import CheckedMethods, one_of
+from gearbow._convert import CheckedMethods, one_of
 from gearbow._types import Array, At, Record, RunData, Side
 from gearbow.recording import access
 from gearbow.recording.access import BearingMotion, EnergyBalance
@@ -43,8 +43,6 @@ class Motion(CheckedMethods, Generic[V, S]):
         ------
         GearbowError
             If there is no such place, or the system has no lateral motion.
-        ChannelError
-            If a run did not record it; the message says what to record.
         """
         return self._at("displacement", at)  # type: ignore[no-any-return]
 
@@ -65,8 +63,6 @@ class Motion(CheckedMethods, Generic[V, S]):
         ------
         GearbowError
             If there is no such place, or the system has no torsion.
-        ChannelError
-            If a run did not record it; the message says what to record.
         """
         return self._at("twist", at)  # type: ignore[no-any-return]
 
@@ -85,12 +81,8 @@ class LoadedMotion(Motion[V, S]):
         Returns
         -------
         ndarray, shape (..., 2)
-            Components along y and z [N].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing, or a run did not record it.
+            Components along y and z [N]; for a planet on a carrier that turns, in the frame of this
+            carrier.
         """
         return self._at("bearing_force", at)  # type: ignore[no-any-return]
 
@@ -108,11 +100,6 @@ class LoadedMotion(Motion[V, S]):
         -------
         ndarray, shape (..., 2)
             Components along y and z [m].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing, or a run did not record it.
         """
         return self._at("bearing_displacement", at)  # type: ignore[no-any-return]
 
@@ -134,8 +121,6 @@ class LoadedMotion(Motion[V, S]):
 
         Raises
         ------
-        GearbowError
-            If there is no such place of a shaft.
         ChannelError
             If a run did not record it: record=[..., "section_forces"].
         """
@@ -182,11 +167,6 @@ class AxialMotion(LoadedMotion[V, S]):
         -------
         float or ndarray, shape (...,)
             Component along x [N].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing, or a run did not record it.
         """
         return self._at("axial_bearing_force", at)  # type: ignore[no-any-return]
 
@@ -202,11 +182,6 @@ class AxialMotion(LoadedMotion[V, S]):
         -------
         BearingMotion
             Force, eccentricity ratio and attitude angle.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such journal bearing, or a run did not record it.
         """
         return self._at("journal", at)  # type: ignore[no-any-return]
 
@@ -312,11 +287,6 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         -------
         ndarray, shape (k,) or (n,)
             Angle about x, not reduced to one revolution [rad].
-
-        Raises
-        ------
-        ChannelError
-            If there is no such shaft, or the response has no kinematics.
         """
         return access.angle(self._to_record(), shaft, times)
 
@@ -438,11 +408,6 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         ContactShares
             The shares between the first and the last recorded time; `ContactShares.lost` is the
             share without contact of the drive flanks. A mesh without backlash is always in contact.
-
-        Raises
-        ------
-        SceneError
-            If `skip_time` is negative or longer than the record.
         """
         return access.contact_shares(self._to_record(), at, skip_time)
 

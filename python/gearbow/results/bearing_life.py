@@ -52,10 +52,8 @@ class RatedBearing(Shown):
         Where the dynamic rating comes from.
     method : {"ISO 281", "ISO/TS 16281"}
         Life from the equivalent load, or from the loads of the rolling elements.
-    exponent : float
-        Exponent p of the life (C/P)^p.
-    revolutions : float
-        Basic rating life L₁₀ [million turns].
+    exponent, revolutions : float
+        Exponent p, and basic rating life L₁₀ = (C/P)^p [million turns].
     hours : float
         Basic rating life L₁₀ [h]; infinite if the rings do not turn relative to each other.
     modified_hours : float
@@ -70,7 +68,7 @@ class RatedBearing(Shown):
     >>> shaft = gb.Shaft("rotor", length=0.5, outer_diameter=0.04)
     >>> force = gb.Force(("rotor", 0.25), -4000j)
     >>> system = gb.RotorSystem([shaft], bearings=bearings, forces=[force])
-    >>> one = system.bearing_life(gb.rpm(1500)).bearing(("rotor", 0.0))
+    >>> one = system.bearing_life(157.08).bearing(("rotor", 0.0))
     >>> f"C {one.dynamic_rating / 1e3:.1f} kN, {one.rating}; {one.hours:.0f} h"
     'C 32.5 kN, catalogue; 47678 h'
     """
@@ -100,8 +98,7 @@ class SpectrumCase(Shown):
     speed : float
         Speed of the reference shaft [rad/s].
     torque : float
-        Torque [N m] at the place that `BearingLife.torque_at` names; NaN for the loads of the
-        system.
+        Torque [N m] at `BearingLife.torque_at`; NaN for the loads of the system.
     share : float
         Share of the time.
     bearings : tuple of RatedBearing
@@ -132,10 +129,8 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
         The bearings, in the order of the system; those without a dynamic rating are left out.
     cases : tuple of SpectrumCase
         The rows of the load spectrum; without a spectrum, the one operating point.
-    factor : float
-        Given factor of the modified life.
-    reliability : float
-        Reliability of the modified life.
+    factor, reliability : float
+        Given factor, and reliability of the modified life.
     notes : tuple of str
         Bearings without a life, and forces that it does not contain.
     torque_at : str
@@ -153,7 +148,7 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> found = gb.examples()["coaxial_reducer"].load().bearing_life(gb.rpm(1234))
+    >>> found = gb.examples()["coaxial_reducer"].load().bearing_life(129.22)
     >>> found.shortest.at
     ('input', 0.065)
     """
@@ -188,11 +183,6 @@ class BearingLife(WithSpeeds, Figured, ReadOnly):
         -------
         RatedBearing
             Its loads and life.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such bearing with a life.
         """
         return self.bearings[Places.of("bearing", [one.at for one in self.bearings]).index(at)]
 
@@ -316,7 +306,6 @@ def _rated(
     ratios: tuple[float, float],
     modifier: float,
 ) -> RatedBearing:
-    """Give the loads and the life of one bearing."""
     at = (part.shaft, float(part.position))
     radial = float(np.hypot(*static.bearing_force(at)))
     thrust = abs(static.axial_bearing_force(at))

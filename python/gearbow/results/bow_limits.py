@@ -21,10 +21,8 @@ class ReachedLimit(Shown):
 
     Parameters
     ----------
-    limit : str
-        The limit, for example "backlash used up".
-    at : str
-        Mesh, bearing or place.
+    limit, at : str
+        The limit, for example "backlash used up", and its mesh, bearing or place.
     speed : float
         Speed of the reference shaft [rad/s].
     bow : float
@@ -63,8 +61,7 @@ class ReachedLimit(Shown):
 class BowLimits(WithSpeeds, Figured, ReadOnly):
     """The bow at which each limit is reached, and the margin to the present bow.
 
-    `plot` draws the seven smallest limits that are reached against the speed, and the present
-    bow.
+    `plot` draws the seven smallest limits over the speed, and the present bow.
 
     Parameters
     ----------

@@ -39,8 +39,7 @@ class StabilityThreshold(Shown):
     whirl : str
         Whirl of the mode at this speed.
     above : {"unstable", "stable"}
-        The mode at speeds farther from zero. Unstable means a negative damping ratio: each
-        disturbance grows.
+        The mode at speeds farther from zero; unstable means a negative damping ratio.
     residual : float
         The larger one of ``|Re λ|/|λ|`` and the residual of the mode, as `Modes.residuals`.
 
@@ -144,19 +143,13 @@ class Intersection(Shown):
     mode : int
         Number of the mode in the diagram, from 0.
     line : ExcitationLine
-        The excitation. The intersection with a shaft is a critical speed, with teeth a tooth
-        resonance.
-    speed : float
-        Speed of the reference shaft [rad/s].
-    frequency_hz : float
-        Frequency [Hz].
-    damping_ratio : float
-        Damping ratio of the mode at this speed.
+        The excitation: of a shaft at a critical speed, of teeth at a tooth resonance.
+    speed, frequency_hz, damping_ratio : float
+        Speed of the reference shaft [rad/s]; frequency [Hz] and damping ratio of the mode there.
     whirl : str
         Whirl of the mode at this speed.
     residual : float
-        The larger one of the relative distance from the line and the residual of the mode, as
-        `Modes.residuals`.
+        The larger of the relative distance from the line and the residual as in `Modes`.
 
     Examples
     --------
@@ -195,8 +188,7 @@ class Campbell(WithSpeeds, Result, ReadOnly):
     intersections : tuple of Intersection
         Intersections of modes and lines, from standstill on.
     thresholds : tuple of StabilityThreshold
-        Speeds at which the damping of a mode changes its sign, from standstill on. A negative
-        damping ratio means that the mode is unstable.
+        Speeds from standstill on at which the damping of a mode changes its sign.
 
     Notes
     -----
@@ -370,8 +362,8 @@ class Campbell(WithSpeeds, Result, ReadOnly):
         ----------
         ax : sequence of two Axes, optional
             Panels for frequencies and damping ratios; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the given ones.
         operating : float or tuple of (float, float), optional
             Operating speed of the reference shaft, or the lowest and the highest [rad/s], which
             the figure shades. The excitation lines reach at least to it.
@@ -385,13 +377,6 @@ class Campbell(WithSpeeds, Result, ReadOnly):
             monotone cubic through these values, the intersections and the thresholds. The scale of
             the damping is logarithmic if the ratios differ by more than a factor of 10; with
             negative ratios it is linear about zero.
-
-        Raises
-        ------
-        GearbowError
-            If `ax` or the unit is invalid.
-        SceneError
-            If the operating speeds are invalid.
         """
         with extra("plot"):
             from gearbow.plotting import campbell  # noqa: PLC0415

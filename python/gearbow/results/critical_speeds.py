@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import text, whole
+from gearbow._convert import nearest, text, whole
 from gearbow._extras import extra
-from gearbow._lookup import nearest
 from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import ReadOnly, span
 from gearbow._types import Array
@@ -35,13 +34,11 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
     whirl : tuple of tuple of str
         Whirl of the mode at each critical speed.
     line : tuple of ndarray of int
-        Number of the line to which each critical speed belongs, from 0: the same mode at
-        neighbouring stiffnesses.
+        Number from 0 of the line, that of one mode, to which each critical speed belongs.
     residuals : tuple of ndarray
         Residual of the undamped mode at each critical speed, as `Modes.residuals`.
     actual : tuple of float
-        Stiffnesses along y and z of the bearings of the system that have constant coefficients
-        [N/m].
+        Stiffnesses [N/m] along y and z of the system's bearings with constant coefficients.
 
     Examples
     --------
@@ -175,8 +172,8 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
             Number of lines for each whirl.
         ax : Axes, optional
             Panel for the map; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------
@@ -184,11 +181,6 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
             One line for each mode. Its style shows the whirl: a piece with another whirl begins at
             the last point before it. A vertical line or a grey
             range shows the stiffness of the bearings of the system.
-
-        Raises
-        ------
-        GearbowError
-            If `ax` or the unit is invalid.
         """
         with extra("plot"):
             from gearbow.plotting import campbell  # noqa: PLC0415

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
 import numpy as np
 
-from gearbow._convert import items, shown
+from gearbow._convert import items, one_of, shown
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
-from gearbow._lookup import one_of
 from gearbow._result import Column, Written, data_frame
 from gearbow._shown import short, span
 from gearbow._types import (
@@ -23,8 +22,8 @@ from gearbow._types import (
     Plain,
 )
 from gearbow.description.coordinates import Coordinates, time_derivatives
+from gearbow.description.loads import plain_sources
 from gearbow.description.places import Places, is_pair, place, place_label, places
-from gearbow.description.sources import plain_sources
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.harmonic import PRINTED_PLACES, FrequencyComparison, HarmonicResponse
 from gearbow.results.section_forces import Motions
@@ -66,8 +65,7 @@ class FrequencyResponse(HarmonicResponse):
     description : mapping
         The plain system.
     left_out : tuple of str
-        Excitations of the system that a response to a `gb.ShaftExcitation` does not contain; empty
-        without such a source.
+        Excitations that a response to a `gb.ShaftExcitation` lacks; empty without one.
 
     Examples
     --------
@@ -139,11 +137,6 @@ class FrequencyResponse(HarmonicResponse):
         ndarray, shape (k, sources)
             Phasors (k + iωc)(δ − e)/cos β_b [N] with k, c, δ and e of the transverse section,
             positive where the drive flanks are pressed.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such mesh.
         """
         force: ComplexArray = self._mesh_force[..., Places.of("mesh", self._meshes).index(at)]
         return force
@@ -173,8 +166,8 @@ class FrequencyResponse(HarmonicResponse):
             over frequency and speed, of a response with both axes.
         ax : Axes or sequence of Axes, optional
             Two panels for "bode", one for the others; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------
@@ -183,8 +176,6 @@ class FrequencyResponse(HarmonicResponse):
 
         Raises
         ------
-        SceneError
-            If an argument is invalid.
         GearbowError
             If there is no such place, or the response has not the axes of a waterfall.
         """
@@ -197,7 +188,6 @@ class FrequencyResponse(HarmonicResponse):
             return self._figure(kind, lines, unit, ax)
 
     def _figure(self, kind: str, lines: Mapping[str, ComplexArray], unit: str, ax: Any) -> "Figure":
-        """Draw lines with one unit."""
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
 
         two = self.frequencies.ndim == 2
@@ -326,11 +316,6 @@ class FrequencyResponse(HarmonicResponse):
         -------
         pandas.DataFrame
             Frequency, speed and source, and complex columns with their unit.
-
-        Raises
-        ------
-        MissingExtraError
-            If pandas is not installed.
         """
         curves = self._curves(at)
         columns = [Column(curve.name, curve.values.ravel(), curve.unit) for curve in curves]
@@ -348,11 +333,6 @@ class FrequencyResponse(HarmonicResponse):
         -------
         xarray.Dataset
             One complex variable for each curve over the `axes` and the source, with its unit.
-
-        Raises
-        ------
-        MissingExtraError
-            If xarray is not installed.
         """
         return self._curve_dataset(at, parts=False)
 
@@ -386,12 +366,7 @@ class FrequencyResponse(HarmonicResponse):
         Raises
         ------
         SceneError
-            If the suffix is unknown, or the response has two axes, which a universal file cannot
-            hold.
-        MissingExtraError
-            If a library of the format is not installed.
-        OSError
-            If the file cannot be written. An existing file is unchanged.
+            If the response has two axes, which a universal file cannot hold.
         """
         found, ending = check_name(path, (*self._own_endings, ".csv", ".xlsx"))
         if ending in self._own_endings:
@@ -497,8 +472,6 @@ class FrequencyResponse(HarmonicResponse):
         ------
         SceneError
             If the file is invalid, or the response has several speeds.
-        GearbowError
-            If there is no such place.
         """
         from gearbow.exchange.harmonic import MeasuredCurve, read_measured  # noqa: PLC0415
         from gearbow.exchange.tables import ENDINGS  # noqa: PLC0415

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import positive
+from gearbow._convert import one_of, positive
 from gearbow._core import Model
-from gearbow._lookup import one_of
 from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import ReadOnly, short
 from gearbow._types import Array, At, ComplexArray, Plain, Side
@@ -108,20 +107,13 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
         ----------
         housing : str
             Name of a housing that `Housing.from_matrices` made with a `surface`.
-        density : float
-            Density ρ of the air [kg/m³], by default that at 20 °C.
-        sound_speed : float
-            Speed of sound c [m/s], by default that at 20 °C.
+        density, sound_speed : float
+            Density ρ [kg/m³] and speed of sound c [m/s] of the air, by default those at 20 °C.
 
         Returns
         -------
         ndarray, shape (...,)
             Power [W] of each source.
-
-        Raises
-        ------
-        SceneError
-            If there is no such housing, it has no surface, or a number is not positive.
 
         Notes
         -----
@@ -233,8 +225,7 @@ class FrequencyComparison(Figured, ReadOnly):
     Parameters
     ----------
     measured : tuple of MeasuredCurve
-        The measured curves, each with `at`, `direction`, `quantity`, `frequencies` [rad/s] and
-        `values`.
+        The curves with `at`, `direction`, `quantity`, `frequencies` [rad/s] and `values`.
     computed : tuple of ndarray
         Values of the computed curves.
 

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import shown, whole
+from gearbow._convert import nodal, shown, whole
 from gearbow._extras import extra
 from gearbow._files import check_name
-from gearbow._lookup import nodal
 from gearbow._result import Column, Figured, Result, WithSpeeds, in_percent, plain_text
 from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray, Dof, ModesData, NodalDof
@@ -235,20 +234,12 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
             A universal file (".uff", ".unv") with data sets 55, measured shapes, or modes, which
             are compared at the gears and disks, or at the nodes of systems without them.
         places : mapping of int to place, optional
-            Place of each node of a universal file that gearbow did not write. Nodes without a place
-            have no part in the comparison.
+            Place of each node of a file of another program; other nodes have no part.
 
         Returns
         -------
         ModeComparison
             MAC of each computed mode with each measured one.
-
-        Raises
-        ------
-        SceneError
-            If the file or an argument is invalid.
-        GearbowError
-            If there is no such place.
         """
         from gearbow.exchange.universal import MeasuredShapes, read_uff  # noqa: PLC0415
 
@@ -430,19 +421,12 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         count : int
             Number of modes in the overview.
         ax : Axes or sequence of Axes, optional
-            Panel in three dimensions for one mode, or one panel for each mode of the overview; None
-            makes a new figure.
+            Panel in three dimensions for one mode, or one for each mode; None makes a new figure.
 
         Returns
         -------
         matplotlib.figure.Figure
-            The train with shafts, gears and bearings to scale, or one panel for each mode with the
-            shapes along the shafts.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such mode, or `ax` is invalid.
+            The train to scale with its parts, or the shapes along the shafts in a panel each.
         """
         with extra("plot"):
             from gearbow.plotting import shapes as figures  # noqa: PLC0415

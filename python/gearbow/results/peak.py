@@ -39,21 +39,14 @@ class Peak(Shown):
     amplitude : float
         Major semi-axis of the orbit at the peak [m].
     lower : float
-        Speed N₁ between standstill and the peak with 1/√2 of the peak amplitude [rad/s]; NaN if
-        the range of speeds does not contain it.
+        Speed N₁ nearer to standstill with 1/√2 of its amplitude [rad/s]; NaN outside the range.
     upper : float
         Speed N₂ beyond the peak with 1/√2 of the peak amplitude [rad/s]; NaN as above.
     operating : float or tuple of (float, float), optional
-        Operating speed, or the lowest and the highest, of one sign and not zero [rad/s]. The
-        attribute is a pair.
+        Operating speed, or the lowest and highest, of one sign [rad/s]; kept as a pair.
     stable : bool
         Whether every mode has positive damping at the speed of the peak. An unstable rotor does
         not show this peak: a mode grows until something else limits it.
-
-    Raises
-    ------
-    SceneError
-        If the operating speeds are zero, not finite, of both signs or in descending order.
 
     Notes
     -----
@@ -182,10 +175,8 @@ class Peaks(WithSpeeds, Figured, ReadOnly, Sequence[Peak]):
         The shaft that excites.
     speeds : ndarray, shape (speeds,)
         Speeds of the response [rad/s].
-    phase : ndarray, shape (speeds,)
-        Phase of the orbit [rad].
-    amplitude : ndarray, shape (speeds,)
-        Major semi-axis of the orbit [m].
+    phase, amplitude : ndarray, shape (speeds,)
+        Phase [rad] and major semi-axis [m] of the orbit.
     operating : tuple of (float, float), optional
         Lowest and highest operating speed [rad/s].
 

@@ -109,8 +109,7 @@ class Matrices(ReadOnly):
     mass : ndarray or scipy.sparse.csr_array, shape (n, n)
         Mass matrix M [kg, kg m²].
     stiffness : ndarray or scipy.sparse.csr_array, shape (n, n)
-        Stiffness matrix K [N/m, N m/rad] of shafts, bearings and the meshes, which are linearised
-        at rest.
+        Stiffness matrix K [N/m, N m/rad] with bearings and the meshes, linearised at rest.
     damping : ndarray or scipy.sparse.csr_array, shape (n, n)
         Damping matrix C [N s/m, N m s/rad], including the meshes.
     gyroscopic : ndarray or scipy.sparse.csr_array, shape (n, n)

@@ -15,7 +15,7 @@ from gearbow.accuracy import estimate_errors
 from gearbow.description.part import parts
 from gearbow.description.shafts import Notch
 from gearbow.description.speed import SpeedProfile
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import SceneError
 from gearbow.orders.fit import Orders, orders
 from gearbow.orders.spectrum import Spectrum, channel, spectrum
 from gearbow.recording import channels
@@ -50,10 +50,10 @@ class Stored(Result):
         raise NotImplementedError
 
     def _save_own(self, path: Any, ending: str) -> None:  # noqa: ARG002  # the path has it
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+        from gearbow.recording import container  # noqa: PLC0415  # only files need its libraries
 
         run, more = self._stored()
-        file.save(run, path, **more)
+        container.save(run, path, **more)
 
     def _dataset(self) -> "xr.Dataset":
         run, more = self._stored()
@@ -80,12 +80,10 @@ class Stored(Result):
         GearbowError
             If the file is damaged or has another content; the message names the file and the
             problem. The check comes before any memory is allocated for the arrays of the file.
-        OSError
-            If the file cannot be opened.
         """
-        from gearbow.recording import file  # noqa: PLC0415  # only files need its libraries
+        from gearbow.recording import container  # noqa: PLC0415  # only files need its libraries
 
-        return cls._restored(*file.read(path), path)
+        return cls._restored(*container.read(path), path)
 
 
 class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
@@ -113,8 +111,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
     request : RunRequest or None
         Scene and options of the run; None if unknown.
     period : float or None
-        Period of the motion [s], if this is one period of a `SteadyState`; its orders are then
-        exact. None for other runs.
+        Period [s] if this is one of a `SteadyState`, whose orders are exact; None for other runs.
 
     Examples
     --------
@@ -213,13 +210,9 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
             If the initial state does not satisfy its equations.
         """
         if self._errors is None:
-            if self.request is None:
-                raise GearbowError(
-                    "errors: this response does not know its system; take the errors of a response "
-                    "that simulate returned or that save wrote"
-                )
+            request = self._to_record().asked("errors")
             with working(None, "errors, by more accurate runs"):
-                self._errors = estimate_errors(self.request, self.statistics.modes)
+                self._errors = estimate_errors(request, self.statistics.modes)
         return self._errors
 
     def measure(self, sensor: Sensor) -> Array:
@@ -235,13 +228,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         ndarray, shape (k,) or (n,)
             Displacement [m] or acceleration [m/s²] at the recorded times, or the times of the n
             pulses of a tachometer [s].
-
-        Raises
-        ------
-        ChannelError
-            If a motion was not recorded; the message says what to record.
-        SceneError
-            If it is no sensor.
         """
         if not isinstance(sensor, Sensor):
             raise SceneError(
@@ -282,8 +268,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If it was not recorded.
         GearbowError
             If the times are not equally spaced.
         """
@@ -342,11 +326,8 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If it was not recorded.
         GearbowError
-            If the train does not rotate, no harmonic is asked for, or `revolutions` is longer than
-            the record.
+            If the train does not rotate, no harmonic is asked for or `revolutions` is too long.
 
         Warns
         -----
@@ -395,11 +376,8 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If there is no such shaft.
         GearbowError
-            If the times are not equally spaced, the rate exceeds that of the recording, or the
-            recording is shorter than the filter.
+            If the times are not equally spaced, the rate is too high or the recording too short.
         """
         return Response._from_record(resampled(self._to_record(), rate, shaft))
 
@@ -420,8 +398,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         Parameters
         ----------
         endurance_limit : float or mapping, optional
-            Stress amplitude that a smooth specimen endures without a mean stress [Pa], as for
-            `gearbow.RotorSystem.stresses`.
+            Amplitude that a smooth specimen endures [Pa], as for `gearbow.RotorSystem.stresses`.
         tensile_strength : float or mapping, optional
             Tensile strength of the material [Pa].
         line : {"goodman", "din743"}
@@ -438,8 +415,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Raises
         ------
-        ChannelError
-            If no section forces were recorded.
         GearbowError
             If the response does not know its system, or an argument is invalid.
         """
@@ -467,11 +442,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         -------
         pandas.DataFrame
             Rows by time [s]; columns with their unit, e.g. "g1 y [m]", "g1/g2 force [N]".
-
-        Raises
-        ------
-        ChannelError
-            If a sensor needs a motion that was not recorded.
         """
         table = super().to_dataframe()
         for i, sensor in enumerate(items(sensors, "sensors", "sensors")):

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import one_of, positive
 from gearbow._core import Model
 from gearbow._extras import extra
 from gearbow._files import check_name, replacing
-from gearbow._lookup import one_of
 from gearbow._times import begin_after, window, within
 from gearbow._types import Abscissa, Array, At, RunFigure, Window
 from gearbow.description.places import place, place_label, places
@@ -26,8 +25,8 @@ from gearbow.units.speed import SpeedUnit, showing_in
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from gearbow.plotting.analyses import Course
     from gearbow.plotting.animation import Motion
-    from gearbow.plotting.sections import Course
 
 
 #: Quantities of the figures of meshes.
@@ -73,8 +72,7 @@ def plot(
         (shaft, position [m]) for "bearings"; names of shafts for "section forces". None is all
         recorded items; of places, the named ones if there are any, for "twist" those that twist.
     times : tuple of (float, float), optional
-        First and last time of the figure [s]; None is the complete record. A few revolutions
-        show what fills the figure of a long run.
+        First and last time of the figure [s], such as a few revolutions; None is the whole record.
     skip_time : float, optional
         Duration of the transient at the beginning of the run [s]. Orbits and histories show it in
         grey; spectra omit it. Scale and mean follow from the values after it; if earlier values
@@ -86,8 +84,8 @@ def plot(
     ax : Axes or sequence of Axes, optional
         One panel for each place, for a bearing two, for a mesh three and for its geometry four;
         for section forces four rows with a panel for each shaft; None makes a new figure.
-    speed_unit : {"rad/s", "rpm"}, optional
-        Unit of the axis of speeds; None is `speed_unit` of the response.
+    speed_unit : str, optional
+        Unit of the axis of speeds, as for `table`; None is that of the result.
 
     Returns
     -------
@@ -98,8 +96,6 @@ def plot(
     ------
     GearbowError
         If the kind, `against` or `ax` is invalid, or no suitable signal was recorded.
-    SceneError
-        If `skip_time` is negative or longer than the record, or `times` are not in it.
     """
     run = self._to_record()
     with extra("plot"):
@@ -123,7 +119,7 @@ def plot(
         forces = {place_label(one): access.bearing_force(run, one)[cut] for one in bearings}
         return figures.bearings(axis, forces, ax=ax)
     if kind == "section forces":
-        from gearbow.plotting.sections import section_forces  # noqa: PLC0415
+        from gearbow.plotting.analyses import section_forces  # noqa: PLC0415
 
         begin = 0 if skip_time is None else skipped
         shafts = run.recorded_shafts if at is None else places(at)
@@ -152,7 +148,7 @@ def plot(
 
 def _course(run: RunRecord, shaft: str, cut: slice, begin: int) -> "Course":
     """Give the smallest and largest section forces of a shaft from a time on, and what is on it."""
-    from gearbow.plotting.sections import Course  # noqa: PLC0415  # with the extra "plot"
+    from gearbow.plotting.analyses import Course  # noqa: PLC0415  # with the extra "plot"
 
     sections, forces = access.section_forces(run, shaft)
     bodies = [(x, ", ".join(names)) for name, x, names in run.data["points"] if name == shaft]
@@ -252,17 +248,15 @@ def animate(
         First and last time [s]; None is the last turn of the slowest shaft.
     magnify : float, optional
         Factor that enlarges displacements and twists; None chooses one.
-    duration : float
-        Duration of the animation [s].
-    fps : float
-        Frames per second, at most 50.
+    duration, fps : float
+        Duration of the animation [s], and frames per second, at most 50.
     """
     run = self._to_record()
     with extra("plot"):
         from gearbow.plotting import animation  # noqa: PLC0415
 
     path, ending = check_name(path, [".gif", ".html"])
-    length, rate = _positive(duration, "duration"), _positive(fps, "fps")
+    length, rate = positive(duration, "duration"), positive(fps, "fps")
     if rate > 50.0:
         raise SceneError(f"fps: must be at most 50, got {rate:g}")
     count = max(2, round(length * rate))
@@ -271,7 +265,7 @@ def animate(
             f"duration: {length:g} s with {rate:g} frames per second are {count} frames, at most "
             f"{MOST_FRAMES} are possible; give a shorter duration"
         )
-    factor = None if magnify is None else _positive(magnify, "magnify")
+    factor = None if magnify is None else positive(magnify, "magnify")
     motion = _motion(run, mesh, _span(run, times), count, length)
     drawn = list(animation.frames(motion, factor))
     with replacing(path) as file:
@@ -279,13 +273,6 @@ def animate(
             animation.write_gif(drawn, file, fps=rate)
         else:
             animation.write_html(drawn, file, fps=rate, title="gearbow: train in motion")
-
-
-def _positive(value: object, path: str) -> float:
-    found = number(value, path)
-    if not found > 0.0:
-        raise SceneError(f"{path}: must be positive, got {found:g}")
-    return found
 
 
 def _motion(
@@ -298,12 +285,7 @@ def _motion(
     """Collect the motion of all recorded gears and disks at the times of the frames."""
     from gearbow.plotting import animation  # noqa: PLC0415
 
-    if run.request is None:
-        raise GearbowError(
-            "animate: this response does not know its system; take a response that simulate "
-            "returned or that save wrote"
-        )
-    description = run.request.description
+    description = run.asked("animate").description
     train = Train.of(description, Model(dict(description)).speed_ratios)
     time = np.linspace(*span, count)
     bodies = {body.name for body in train.layout.bodies if body.radius > 0.0}

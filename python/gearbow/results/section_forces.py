@@ -143,7 +143,7 @@ class SectionForces(Figured, ReadOnly):
         return [f"{what} of shaft {self.shaft!r}"]
 
     def _draw(self, ax: Any) -> "Figure":
-        from gearbow.plotting.sections import Course, section_forces  # noqa: PLC0415
+        from gearbow.plotting.analyses import Course, section_forces  # noqa: PLC0415
 
         if self.positions.size < 2:
             raise SceneError(

@@ -44,8 +44,7 @@ class Sensitivity(WithSpeeds, Result, ReadOnly):
         Derivative of each output with respect to each parameter [Hz or rad/s over the unit of the
         parameter]. NaN for a motion without stiffness.
     damping_ratios : ndarray, shape (p, m)
-        Derivative of each damping ratio [1 over the unit of the parameter]; of an intersection,
-        along its line.
+        Derivatives of the damping ratios [1 over the unit]; of an intersection, along its line.
     equal : tuple of tuple of int
         Numbers of the modes with equal eigenvalues, from 1. Their derivatives ascend and are those
         for an increase of one parameter alone; they do not add up over parameters.
@@ -178,21 +177,16 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
         Their values.
     units : tuple of str
         Their SI units.
-    label : str
-        Name of the signal.
-    unit : str
-        Its unit.
+    label, unit : str
+        Name and unit of the signal.
     components : tuple of str
         Its c components: "y" and "z", or one without a name.
     values : ndarray, shape (..., sources, c)
         The signal over the `axes` of a response: phasors; numbers of an equilibrium.
     derivatives : ndarray, shape (p, ..., sources, c)
-        Its derivatives with respect to each parameter [unit of the signal over that of the
-        parameter].
-    sources : tuple of str
-        Labels of the sources.
-    axes : tuple of str
-        Names of the first axes of `values`.
+        Derivatives for each parameter [unit of the signal over that of the parameter].
+    sources, axes : tuple of str
+        Labels of the sources, and names of the first axes of `values`.
     frequencies : ndarray or None
         Frequencies [rad/s] of a frequency response.
     speeds : ndarray or None
@@ -306,8 +300,7 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
         Returns
         -------
         matplotlib.figure.Figure
-            The relative change of each largest amplitude for 1 % of each parameter (tornado
-            diagram).
+            The change of each largest amplitude for 1 % of each parameter (tornado diagram).
         """
         return self.largest().plot(count=count, ax=ax)
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from gearbow._convert import one_of
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._lookup import one_of
 from gearbow._result import (
     ROUND_OFF,
     Column,
@@ -43,16 +43,10 @@ class MeshState(Shown):
 
     Parameters
     ----------
-    deflection : float
-        Mesh deflection along the line of action [m].
-    force : float
-        Mesh force [N].
-    stiffness : float
-        Mesh stiffness [N/m].
-    pressure_angle : float
-        Operating pressure angle [rad].
-    centre_distance : float
-        Distance between the centres [m].
+    deflection, force, stiffness : float
+        Deflection along the line of action [m], mesh force [N] and mesh stiffness [N/m].
+    pressure_angle, centre_distance : float
+        Operating pressure angle [rad], and distance between the centres [m].
     centre_line_angle : float
         Angle of the line of centres, driver to driven, from y towards z [rad].
     contact_ratio, pairs_in_contact : float
@@ -192,11 +186,6 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         -------
         MeshState
             Deflection, force and geometry.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such mesh.
         """
         i = Places.of("mesh", self._data["meshes"]).index(at)
         # The equilibrium contains no friction.
@@ -212,10 +201,8 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
 
         Parameters
         ----------
-        factor : float
-            Factor of the modified life for lubrication and contamination, a_ISO of ISO 281.
-        reliability : float
-            Reliability of the modified life, from 0.9 to 0.9995.
+        factor, reliability : float
+            Factor a_ISO of the modified life, and its reliability from 0.9 to 0.9995 (ISO 281).
 
         Returns
         -------
@@ -225,8 +212,7 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         Raises
         ------
         SceneError
-            If the equilibrium is at standstill, the system has no lateral motion, no bearing has a
-            dynamic rating, or an argument is invalid.
+            If the shafts stand still, nothing moves laterally, or no bearing has a rating.
 
         Notes
         -----
@@ -318,22 +304,17 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
             each of them, with gears, disks and bearings marked.
         ax : Axes or sequence of Axes, optional
             One for each panel of the figure; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speed was given.
+        speed_unit : str, optional
+            Unit of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------
         matplotlib.figure.Figure
             The figure. It is neither shown nor saved.
-
-        Raises
-        ------
-        GearbowError
-            If the kind or the unit is unknown, or `ax` has another number of panels.
         """
         one_of(kind, get_args(StaticFigure), "kind")
         with extra("plot"):
-            from gearbow.plotting import sections, shapes  # noqa: PLC0415
+            from gearbow.plotting import analyses, shapes  # noqa: PLC0415
 
         with self._showing(speed_unit):
             if kind == "deflection":
@@ -345,10 +326,10 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
                     (one.position, one.name) for one in self._layout.bodies if one.shaft == name
                 ]
                 bearings = [(x, "bearing") for shaft, x in self._data["bearings"] if shaft == name]
-                courses[name] = sections.Course(
+                courses[name] = analyses.Course(
                     found.positions, found.values, found.values, [*bodies, *bearings]
                 )
-            return sections.section_forces(courses, ax=ax)
+            return analyses.section_forces(courses, ax=ax)
 
 
 @dataclass(frozen=True, eq=False)
@@ -366,10 +347,8 @@ class Efficiency(WithSpeeds, Figured, ReadOnly):
         Speeds of the reference shaft [rad/s].
     input_power : ndarray, shape (m,)
         Power that torques and drives supply [W].
-    power : ndarray, shape (m, k)
-        Power that each mesh transmits [W].
-    force : ndarray, shape (m, k)
-        Mesh force normal to the teeth [N].
+    power, force : ndarray, shape (m, k)
+        Power that each mesh transmits [W], and its force normal to the teeth [N].
     coefficient : ndarray, shape (m, k)
         Coefficient of friction; zero without friction.
     loss : ndarray, shape (m, k)
@@ -393,7 +372,7 @@ class Efficiency(WithSpeeds, Figured, ReadOnly):
     >>> bearings = [gb.Bearing(name, x, stiffness=1e9) for name, x in places]
     >>> torques = [gb.Torque("pinion", 100.0), gb.Torque.balance("wheel")]
     >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
-    >>> found = system.efficiency(gb.rpm(3000))
+    >>> found = system.efficiency(314.16)
     >>> print(f"{100 * found.efficiency[0]:.2f} %, H_v = {found.loss_factor[0, 0]:.4f}")
     99.31 %, H_v = 0.1386
     """

@@ -6,15 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number
+from gearbow._convert import number, one_of
 from gearbow._core import Model
-from gearbow._lookup import one_of
 from gearbow._result import Column, Figured, WithSpeeds, Written
 from gearbow._shown import ReadOnly
 from gearbow._times import begin_after
 from gearbow._types import Array, ComplexArray, Section, StrengthLine
 from gearbow.description.shafts import Notch
-from gearbow.errors import GearbowError, SceneError
+from gearbow.errors import SceneError
 from gearbow.recording import access
 from gearbow.recording.record import RunRecord
 
@@ -79,7 +78,6 @@ class Strength:
 def _by_shaft(
     given: float | Mapping[str, float] | None, path: str, shafts: Sequence[str]
 ) -> dict[str, float]:
-    """Give a strength by shaft."""
     if given is None:
         return {}
     if not isinstance(given, Mapping):
@@ -112,10 +110,8 @@ class Stresses(WithSpeeds, Figured, ReadOnly):
         Angle of the worst fibre in the shaft, from y towards z at shaft angle zero [rad].
     bending, axial, torsion : ndarray, shape (k, 2)
         Mean and amplitude of the nominal bending, axial and torsional stress there [Pa].
-    amplitude : ndarray, shape (k,)
-        Equivalent amplitude with the notch factors [Pa].
-    mean : ndarray, shape (k,)
-        Equivalent mean stress [Pa].
+    amplitude, mean : ndarray, shape (k,)
+        Equivalent amplitude with the notch factors, and equivalent mean stress [Pa].
     utilisation : ndarray, shape (k,)
         Amplitude over what the mean stress leaves of the endurance limit; NaN without a limit.
     notches : tuple of str
@@ -202,7 +198,7 @@ class Stresses(WithSpeeds, Figured, ReadOnly):
         return ["stresses in the turning shafts; ± is the amplitude"]
 
     def _draw(self, ax: Any) -> "Figure":
-        from gearbow.plotting.sections import stresses  # noqa: PLC0415
+        from gearbow.plotting.analyses import stresses  # noqa: PLC0415
 
         shafts = list(dict.fromkeys(shaft for shaft, *_ in self.sections))
         own = {name: [i for i, (s, *_) in enumerate(self.sections) if s == name] for name in shafts}
@@ -346,12 +342,7 @@ def recorded_stresses(
     run: RunRecord, strength: Mapping[str, Any], notches: Sequence[Notch] | None, skip_time: float
 ) -> Stresses:
     """Give the stresses of recorded section forces after a time."""
-    if run.request is None:
-        raise GearbowError(
-            "stresses: this response does not know its system; take a response that simulate "
-            "returned or that save wrote"
-        )
-    description = run.request.description
+    description = run.asked("stresses").description
     wanted = Strength.of([shaft["name"] for shaft in description["shafts"]], **strength)
     shafts = run.recorded_shafts
     given = description.get("notches", ()) if notches is None else ()

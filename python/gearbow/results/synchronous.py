@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from gearbow._convert import number, text
+from gearbow._convert import nodal, number, one_of, text
 from gearbow._core import Model
 from gearbow._extras import extra
-from gearbow._lookup import nodal, one_of
 from gearbow._result import Column, in_degrees, in_micrometres, replaced
 from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Excitation, Plain, SynchronousFigure
@@ -167,8 +166,7 @@ class Synchronous(HarmonicResponse):
         Returns
         -------
         ndarray, shape (speeds, shafts)
-            Semi-axis [m]. It is the sum of the radii of the forward and the backward circular
-            motion, of which the elliptic orbit consists.
+            Semi-axis [m], the sum of the radii of the forward and the backward circular motion.
         """
         return semi_axes(self.displacement(at))
 
@@ -231,11 +229,6 @@ class Synchronous(HarmonicResponse):
         ndarray, shape (speeds, shafts)
             Phasors of the force normal to the teeth [N] that the excitation of each shaft causes.
             Slow-roll amplitudes are not subtracted.
-
-        Raises
-        ------
-        ChannelError
-            If there is no such mesh.
         """
         model = self._model()
         meshes = [(mesh["driver"], mesh["driven"]) for mesh in self.description.get("meshes", ())]
@@ -259,13 +252,7 @@ class Synchronous(HarmonicResponse):
         Returns
         -------
         Synchronous
-            The response minus the slow-roll amplitudes of each shaft as the source. Bearing forces
-            do not change.
-
-        Raises
-        ------
-        SceneError
-            If the speed is not finite.
+            The response minus its amplitudes at slow roll. Bearing forces do not change.
         """
         slow = number(speed, "speed")
         runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
@@ -288,8 +275,7 @@ class Synchronous(HarmonicResponse):
         source : str, optional
             The shaft that excites; None is the shaft of the place.
         operating : float or tuple of (float, float), optional
-            Operating speed of the reference shaft, or the lowest and the highest [rad/s]; of one
-            sign and not zero.
+            Operating speed, or the lowest and the highest [rad/s], of one sign and not zero.
 
         Returns
         -------
@@ -297,13 +283,6 @@ class Synchronous(HarmonicResponse):
             A sequence of `Peak` with a table: the peaks on the grid `speeds`, refined by further
             solutions. Each sense of rotation is searched from standstill on. The lowest modes at
             the speed of a peak decide whether it is `stable`.
-
-        Raises
-        ------
-        GearbowError
-            If there is no such place or shaft.
-        SceneError
-            If the operating speeds are invalid.
         """
         return self._peaks(self._model(), at, source, operating_range(operating))
 
@@ -385,15 +364,13 @@ class Synchronous(HarmonicResponse):
             A gear or disk by name, (shaft, position [m]), a support, a housing or its point, or a
             sensor; None is the three gears or disks with the largest orbits.
         source : str, optional
-            The shaft that excites; None is the shaft of each place, and every shaft for a place on
-            none.
+            The shaft that excites; None is that of each place, or every one for a place on none.
         operating : float or tuple of (float, float), optional
-            Operating speed of the reference shaft, or the lowest and the highest [rad/s], which
-            the figure shades.
+            Operating speed, or the lowest and the highest [rad/s], which the figure shades.
         ax : sequence of two Axes, optional
             Panels for phase and amplitude; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of the axis of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of the axis of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------
@@ -487,12 +464,11 @@ class Synchronous(HarmonicResponse):
             Major semi-axis of the orbits; amplitude and phase, as `bode`; or both as a curve in the
             complex plane, with the speed at its ends and its largest amplitude.
         source : str, optional
-            The shaft that excites. None is every shaft for "orbit", and as in `bode` for the
-            others.
+            The shaft that excites. None is every shaft for "orbit", else as in `bode`.
         ax : Axes or sequence of Axes, optional
             One panel for each place, two for "bode", one for "polar"; None makes a new figure.
-        speed_unit : {"rad/s", "rpm"}, optional
-            Unit of speeds; None is that in which the speeds were given.
+        speed_unit : str, optional
+            Unit of speeds, as for `table`; None is that of the given ones.
 
         Returns
         -------
@@ -501,8 +477,6 @@ class Synchronous(HarmonicResponse):
 
         Raises
         ------
-        SceneError
-            If the kind is unknown.
         GearbowError
             If there is no such place or shaft, or the signals have different units.
         """
@@ -565,7 +539,6 @@ class Synchronous(HarmonicResponse):
 
 
 def _place_of(sensor: SignalSensor) -> At:
-    """Give the place of a sensor."""
     if isinstance(sensor, Probe):
         return (sensor.shaft, sensor.position)
     if isinstance(sensor, Accelerometer):

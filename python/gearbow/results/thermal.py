@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 class ThermalStability(WithSpeeds, Figured, ReadOnly):
     """Growth of a thermal bow over the speed.
 
-    `plot` draws real and imaginary part of the loop gain over the speed, and the rate of growth
-    below.
+    `plot` draws the loop gain over the speed, and the rate of growth below.
 
     Parameters
     ----------
@@ -58,7 +57,7 @@ class ThermalStability(WithSpeeds, Figured, ReadOnly):
     ...     [gb.Shaft("rotor", length=1.0, outer_diameter=0.06)], bearings=bearings
     ... )
     >>> hot = gb.ThermalBow(("rotor", 0.8), 1e5, time_constant=200.0, shape=gb.Bow.half_sine(1e-6))
-    >>> system.thermal_bow(hot, gb.rpm(6000)).stable
+    >>> system.thermal_bow(hot, [628.0]).stable
     array([ True])
     """
 
@@ -111,11 +110,6 @@ class ThermalStability(WithSpeeds, Figured, ReadOnly):
         -------
         ThermalSpiral
             Temperature difference and vibration over time.
-
-        Raises
-        ------
-        SceneError
-            If an argument is invalid, or the speed is none of the result.
         """
         speed = number(speed, "speed")
         time = np.linspace(0.0, positive(duration, "duration"), whole(count, "count", least=2))
@@ -171,8 +165,7 @@ class ThermalStability(WithSpeeds, Figured, ReadOnly):
 class ThermalSpiral(WithSpeeds, Figured, ReadOnly):
     """Temperature difference and vibration of a thermal bow over time, at one speed.
 
-    `plot` draws the path of the vibration in the complex plane, and beside it its amplitude
-    over time.
+    `plot` draws the vibration in the complex plane, and its amplitude over time.
 
     Parameters
     ----------
@@ -182,10 +175,8 @@ class ThermalSpiral(WithSpeeds, Figured, ReadOnly):
         Speed of the reference shaft [rad/s].
     time : ndarray, shape (instants,)
         Time [s].
-    temperature : ndarray, shape (instants,)
-        Temperature difference, a phasor in the shaft [K].
-    vibration : ndarray, shape (instants,)
-        Forward vibration at the journal, a phasor in the shaft [m].
+    temperature, vibration : ndarray, shape (instants,)
+        Temperature difference [K] and forward vibration at the journal [m], phasors in the shaft.
 
     Examples
     --------

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import number, shown, text, whole
+from gearbow._convert import checked, nearest, number, shown, text, whole
 from gearbow._core import __version__
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output, printable, replacing
-from gearbow._lookup import checked, nearest
 from gearbow._types import Array, Progress
 from gearbow.errors import GearbowError, SceneError
 from gearbow.orders.fit import orders as fitted_orders
@@ -252,11 +251,9 @@ def dataset(
     description : str
         What the data are for; the first paragraph of the data card.
     executor : concurrent.futures.Executor, optional
-        Runs the samples, as for `sweep`. Functions for processes and clusters must be at the top of
-        a module.
+        Runs the samples, as for `sweep`; processes need functions at the top of a module.
     store : str or path-like, optional
-        A ".sweep" file to which each finished sample is written at once. After an interruption, the
-        same call computes the missing samples only.
+        A ".sweep" file of the finished samples, with which an interrupted call continues.
     progress : bool or callable, optional
         As for `sweep`.
 
@@ -273,10 +270,6 @@ def dataset(
         card would replace a file that is none.
     GearbowError
         If no sample has signals, or samples have other times or orders than the first one.
-    MissingExtraError
-        If the extra "netcdf" is not installed.
-    OSError
-        If a file cannot be written.
 
     Examples
     --------

@@ -35,8 +35,7 @@ class Trial(Shown, Generic[S]):
     method : str
         Name of the method.
     errors : mapping of {str: float}
-        Error of each signal: RMS of the difference from the reference / RMS of the reference
-        about its mean, at least 2 % of its mean.
+        RMS of the difference from the reference / RMS about its mean, at least 2 % of the mean.
     integration_error : float
         Difference from the reference run of the same model.
     model_error : float
@@ -260,19 +259,17 @@ class Tradeoff(Result, Generic[S]):
     check : str
         Setting of the independent run that verifies the reference.
     floor : float
-        Difference of these two runs: the uncertainty of the reference, at
-        least the round-off error.
+        Difference of these two runs, at least round-off: the uncertainty of the reference.
     discretisation : tuple of (str, mapping of {str: float}), optional
-        Name of a model with more elements, and the difference of the given system from it for
-        each signal.
+        Name of a model with more elements, and the difference from it for each signal.
     duration : float
         Simulated time [s].
     speed : float
         Speed of the reference shaft [rad/s].
     signals : tuple of str
         Names of the compared signals.
-    speed_unit : {"rad/s", "rpm"}
-        Unit of speeds in tables and figures: that in which the speed was given.
+    speed_unit : str
+        Unit of speeds in tables and figures, as for `table`: that in which the speed was given.
 
     Examples
     --------
@@ -347,8 +344,6 @@ class Tradeoff(Result, Generic[S]):
 
         Raises
         ------
-        SceneError
-            If the error is not a positive number.
         GearbowError
             If no setting meets the error.
         """

@@ -17,7 +17,6 @@ import numpy as np
 from gearbow._types import Array, At, Progress
 from gearbow.accuracy import root_mean_square, unit_of_errors, variation
 from gearbow.analysis.protocol import S, System, variant
-from gearbow.description.coordinates import Coordinates
 from gearbow.description.places import is_pair, is_place, place, place_label
 from gearbow.errors import AccuracyWarning, ContactError, GearbowError, SceneError
 from gearbow.results.response import Response
@@ -107,7 +106,7 @@ def _signal(system: System, item: Any) -> Signal:
         )
     at: At = place(item)
     try:
-        Coordinates.of(system.dofs, system.gears, system.disks).lateral(at)
+        system.coordinates.lateral(at)
     except SceneError as error:
         raise SceneError(f"signals: {str(error).removeprefix('at: ')}") from None
     except GearbowError:
@@ -283,7 +282,6 @@ class Study(Generic[S]):
         return signal_error(run.signals, other.signals, self.exact.signals)
 
     def _trial(self, run: _Run[S]) -> Trial[S]:
-        """Return the row of a run."""
         own, exact = self.own[run.model.name], self.exact
         return Trial(
             setting=str(run.setting),
@@ -331,7 +329,6 @@ class Study(Generic[S]):
 
 
 def _system(model: Model[S], setting: Setting | None) -> S:
-    """Return the system of a point."""
     del setting
     return model.system
 

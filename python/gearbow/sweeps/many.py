@@ -47,8 +47,7 @@ def simulate_many(
     executor : concurrent.futures.Executor, optional
         Runs the variations; None is one thread for each core. Processes share no modes.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction of the variations.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
     **options
         Further arguments of `simulate`, except `checkpoint`.
 
@@ -59,8 +58,6 @@ def simulate_many(
 
     Raises
     ------
-    SceneError
-        If a variation or an argument is invalid.
     GearbowError
         The error of `simulate`. Its message begins with the number and the content of the
         variation. This and every other exception has the attribute `.responses`: the list of

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from gearbow._convert import shown, text
+from gearbow._convert import nearest, shown, text
 from gearbow._core import require_memory
 from gearbow._extras import extra
 from gearbow._files import check_name
-from gearbow._lookup import nearest
 from gearbow._result import Column, Result
 from gearbow._shown import Shown, short
 from gearbow._types import Plain
@@ -46,8 +45,7 @@ class SweepPoint(Shown):
     parameters : mapping of {str: object}
         The parameters.
     values : mapping of {str: NumPy scalar or ndarray}, optional
-        The measured values by name; "value" if `measure` returned no dict. None if the point failed
-        or was not computed.
+        Measured values by name, "value" without a dict; None if the point has no result.
     error : str
         Type and message of the error; empty if the point did not fail.
     details : str
@@ -186,8 +184,6 @@ class Sweep(Result, Sequence[SweepPoint]):
         ------
         GearbowError
             If the shape of a value differs between points, or a value has the name of a parameter.
-        MissingExtraError
-            If xarray is not installed.
         """
         named = {name: self.values(name) for name in self._names()}
         return to_xarray(self._points, named)
@@ -211,8 +207,7 @@ class Sweep(Result, Sequence[SweepPoint]):
             The figure has lengths [m] in m, mm or µm, angles [rad] in degrees, and speeds [rad/s]
             in the unit in which the grid gives them.
         ax : Axes or sequence of Axes, optional
-            Panel for the value, for three parameters one for each value of the first; None makes a
-            new figure.
+            Panel, or one for each value of the first of three parameters; None makes a figure.
 
         Returns
         -------
@@ -298,13 +293,6 @@ class Sweep(Result, Sequence[SweepPoint]):
         ----------
         path : str or path-like
             The file. Its name ends with ".sweep".
-
-        Raises
-        ------
-        GearbowError
-            If the file is damaged or has another content.
-        OSError
-            If the file cannot be opened.
         """
         path, _ = check_name(path, [store.SUFFIX])
         found = store.read(path)

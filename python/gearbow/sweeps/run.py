@@ -8,8 +8,7 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-from gearbow._convert import shown
-from gearbow._lookup import checked
+from gearbow._convert import checked, shown
 from gearbow._parallel import ParallelCalls
 from gearbow._progress import reported
 from gearbow._types import Progress
@@ -37,9 +36,8 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
     make : callable
         ``make(**parameters)`` returns the system of a point.
     parameters : mapping of {str: sequence} or sequence of mapping
-        The values of each parameter: all combinations are points, and the last parameter varies
-        fastest. Or the parameters of each point, with the same names. NumPy numbers become numbers
-        of Python.
+        The values of each parameter, all combinations of which are points, the last one fastest; or
+        the parameters of each point by the same names. NumPy numbers become those of Python.
     measure : callable
         ``measure(system, **parameters)`` returns a number, an array, a text, or a dict of them.
     executor : concurrent.futures.Executor, optional
@@ -53,14 +51,12 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         refused: other parameters, functions, or versions of gearbow or Python. What `make` and
         `measure` call in other modules is not compared.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 
     Returns
     -------
     Sweep
-        The values of all points. A point with an error is one of `Sweep.failed`; the others are
-        computed.
+        The values of all points; one with an error is among `Sweep.failed`.
 
     Raises
     ------
@@ -69,8 +65,6 @@ def sweep(  # noqa: PLR0917  # the parameters of the public interface
         point of the store is a `CheckpointWarning`.
     GearbowError
         If the workers of the executor have ended, or cannot import the functions.
-    OSError
-        If the store cannot be written.
     KeyboardInterrupt
         At Ctrl-C. This and every other exception after the start has the attribute `.sweep`: the
         points computed so far. Analyses in threads end within 0.5 s.

@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array
-from gearbow._lookup import one_of
+from gearbow._convert import array, one_of
 from gearbow._types import Array
 from gearbow.analysis.arclength import first_crossing
 from gearbow.analysis.bow_checks import Check, added_check, mesh_checks, mesh_teeth
 from gearbow.analysis.bow_motion import BowMotion, Variants
 from gearbow.analysis.protocol import System
-from gearbow.description.bow import Bow, amplitude_of
-from gearbow.description.bow_limit import BowLimit
+from gearbow.description.bow import Bow, BowLimit, amplitude_of
 from gearbow.description.layout import left_out
 from gearbow.description.part import expect, parts
 from gearbow.errors import ContactError, ConvergenceError, SceneError, StabilityError
@@ -53,12 +51,10 @@ def bow_limits(
     speed : float or array_like, shape (speeds,)
         Speed of the reference shaft [rad/s], or several.
     shape : Bow, optional
-        Shape and phase of the bow; its amplitude does not matter. None is the present bow of the
-        shaft, or a half sine if it has none.
+        Shape and phase of the bow, of any amplitude. None is the present bow, or a half sine.
     phase : float or array_like, shape (shafts,), optional
-        Angle by which the shape is turned in the shaft [rad], one for all named shafts or one for
-        each; 0 keeps its own phase. None is the worst phase of each shaft relative to everything
-        else that turns.
+        Angle by which the shape is turned in the shaft [rad], for all named shafts or for each; 0
+        keeps its own phase. None is the worst phase of each shaft relative to all else that turns.
     limits : sequence of BowLimit
         Further limits: displacement, velocity, contact ratio, mesh force, bearing force or life,
         oil film, clearance of a rolling bearing.
@@ -157,7 +153,6 @@ def _bows(
 
 
 def _reached(motion: BowMotion, check: Check) -> ReachedLimit:
-    """Find the bow at which one limit is reached."""
     found = ReachedLimit(check.limit, check.at, motion.speed, math.inf, why=check.why)
     if check.steady is not None:
         return _steady(motion, check, found)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import number, text, whole
+from gearbow._convert import number, one_of, positive, text, whole
 from gearbow._core import (
     KeptModes,
     common_period,
@@ -17,7 +17,6 @@ from gearbow._core import (
     recorded_period,
     user_order,
 )
-from gearbow._lookup import one_of
 from gearbow._progress import reported
 from gearbow._types import (
     Accuracy,
@@ -36,9 +35,15 @@ from gearbow.analysis.protocol import System, variant
 from gearbow.description.bow import scaled
 from gearbow.description.layout import Kinematics
 from gearbow.errors import AccuracyWarning, GearbowError, SceneError, warn
-from gearbow.results.continuation import UNITS, BranchData, Continuation, summary
 from gearbow.results.response import Response
-from gearbow.results.steady import SMALLEST_MULTIPLIER, SteadyState
+from gearbow.results.steady import (
+    SMALLEST_MULTIPLIER,
+    UNITS,
+    BranchData,
+    Continuation,
+    SteadyState,
+    summary,
+)
 from gearbow.system.linear import matrices
 from gearbow.system.run import requests
 from gearbow.system.simulation import accuracy_level
@@ -96,26 +101,21 @@ def continuation(
     max_points : int
         Largest number of points.
     initial : {"synchronous", "static", "rest"} or SteadyState
-        Motion from which the search of the first steady state starts; a steady state that
-        started at the time 0.
+        Motion from which the first search starts; a steady state that started at time 0.
     record : sequence of str or tuple, optional
         Recorded items, as for `simulate`.
     geometry : {"live", "frozen"}
         As for `simulate`.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction of the points.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 
     Returns
     -------
     Continuation
-        The branch. Where it ends before `end`, `Continuation.message` and an `AccuracyWarning`
-        say why.
+        The branch. `Continuation.message` and an `AccuracyWarning` say why it ends early.
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     ConvergenceError
         If there is no steady state at `begin`.
     KeyboardInterrupt
@@ -123,9 +123,7 @@ def continuation(
     """
     _check(parameter, begin, end, speed)
     begin, end = number(begin, "begin"), number(end, "end")
-    length, most = number(first_step, "first_step"), whole(max_points, "max_points")
-    if not length > 0.0:
-        raise SceneError(f"first_step: must be positive, got {length}")
+    length, most = positive(first_step, "first_step"), whole(max_points, "max_points")
     at = begin if speed is None else number(speed, "speed")
     text(geometry, "geometry")
     periods = whole(periods, "periods")

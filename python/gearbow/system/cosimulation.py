@@ -1,13 +1,11 @@
 """Steps of a run whose torques and speed another program gives from step to step."""
 
-import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from gearbow._convert import items, number, shown
-from gearbow._lookup import nearest
+from gearbow._convert import items, nearest, number, positive, shown
 from gearbow._result import Column
 from gearbow._types import Accuracy, Record
 from gearbow.analysis.protocol import System
@@ -63,7 +61,7 @@ class Interface:
         for i, sensor in enumerate(given):
             if not isinstance(sensor, SignalSensor):
                 raise SceneError(
-                    f"sensors[{i}]: must be a Probe, Accelerometer or StrainGauge, got "
+                    f"sensors[{i}]: must be a Probe, Accelerometer, StrainGauge or RingSensor, got "
                     f"{shown(sensor)}"
                 )
         recorded = None if record is None else items(record, "record", "names or tuples")
@@ -187,9 +185,7 @@ class CoSimulation:
     def step(self, duration: float) -> None:
         """Continue the run by a duration [s]. The instant is unchanged if the run fails."""
         now = self.now
-        if not (math.isfinite(duration) and duration > 0.0):
-            raise SceneError(f"step: must be positive and finite, got {duration!r} s")
-        end = now.time + duration
+        end = now.time + positive(duration, "step")
         torques, speed = self._split(now.inputs)
         speeds = now.speed_knots.after(end, [], speed)
         initial = dict(now.final)

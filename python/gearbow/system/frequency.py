@@ -11,8 +11,8 @@ from gearbow._parallel import thread_count
 from gearbow._types import Array
 from gearbow.analysis.protocol import System
 from gearbow.description.layout import left_out, mesh_orders
+from gearbow.description.loads import MeshExcitation, Source, plain_sources
 from gearbow.description.places import Places
-from gearbow.description.sources import MeshExcitation, Source, plain_sources
 from gearbow.errors import SceneError
 from gearbow.results.frequency_response import FrequencyResponse
 
@@ -42,8 +42,7 @@ def frequency_response(
         which (1, -1j) rotates forward. The value of a torque and the axial part of a force are
         phasors.
     speed : float or array_like, shape (m,), optional
-        Speed of the reference shaft [rad/s], or several, each with all frequencies. None is the
-        standing train.
+        Speed of the reference shaft [rad/s], or several, each with all frequencies; None is 0.
     order : float or array_like, shape (m,), optional
         Frequency over the speed of the reference shaft, or several.
     speeds : array_like, shape (k,), optional
@@ -140,8 +139,7 @@ def mesh_response(
     harmonics : sequence of int
         Harmonics of the tooth frequency.
     error : complex
-        Phasor of the transmission error at every harmonic [m]; by default 1 µm, so that results
-        are those of each micrometre.
+        Phasor of the transmission error at every harmonic [m], by default 1 µm.
     threads : int, optional
         Largest number of threads, as for `campbell`.
 
@@ -152,10 +150,6 @@ def mesh_response(
 
     Raises
     ------
-    ChannelError
-        If there is no such mesh.
-    SceneError
-        If a speed or harmonic is invalid.
     ConvergenceError
         If the residual of a response exceeds 1e-4.
     """

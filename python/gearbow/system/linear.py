@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import array, number, text, truth, whole
+from gearbow._convert import array, number, one_of, text, truth, whole
 from gearbow._core import mesh_geometry, require_memory
-from gearbow._lookup import one_of
 from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry
@@ -37,28 +36,22 @@ def matrices(
     Parameters
     ----------
     speed : float
-        Speed of the reference shaft [rad/s]. Its sign determines the flanks in contact. At
-        speed 0 the torques determine them.
+        Speed of the reference shaft [rad/s], whose sign, or at 0 the torques, choose the flanks.
     sparse : bool
-        Whether the matrices are sparse ones of SciPy, which need memory in proportion to the
-        number of degrees of freedom.
+        Whether the matrices are sparse ones of SciPy, with memory in proportion to their size.
     frequency : float, optional
         Frequency of the vibration [rad/s] for bearings whose coefficients depend on it.
 
     Returns
     -------
     Matrices
-        Mass, stiffness, damping and gyroscopic matrix. Each mesh is linearised at rest on the
-        flank in contact at this speed.
+        Mass, stiffness, damping and gyroscopic matrix, with meshes at rest on the flank in contact.
 
     Raises
     ------
     SceneError
-        If the speed or the frequency is not finite, the dense matrices do not fit into memory,
-        sparse ones are asked for with modal damping, whose matrix has no zeros, or a bearing
-        needs a frequency.
-    MissingExtraError
-        If sparse matrices are asked for, and SciPy is not installed.
+        If dense matrices do not fit into memory, sparse ones are asked for with modal damping,
+        whose matrix has no zeros, or a bearing needs a frequency.
     """
     at = number(speed, "speed"), None if frequency is None else number(frequency, "frequency")
     if truth(sparse, "sparse"):
@@ -103,8 +96,7 @@ def modes(
         If the speed or the count is invalid, or the coefficients of a bearing depend on the
         frequency and a mode has one that its table does not contain.
     ConvergenceError
-        If the residual of a mode exceeds 1e-4 and the round-off of its shape,
-        ``100 ε ω_max/|λ|``, at most 0.1.
+        If the residual of a mode exceeds 1e-4 and its round-off ``100 ε ω_max/|λ|``, at most 0.1.
 
     Notes
     -----
@@ -119,17 +111,7 @@ def modes(
 
 def layout_of(self: System) -> Layout:
     """Find the geometry of the train at rest."""
-    return layout(
-        self.shafts,
-        self.gears,
-        self.disks,
-        self.meshes,
-        self.bearings,
-        centre_distances=[mesh["centre_distance"] for mesh in mesh_geometry(self.description)],
-        couplings=self.couplings,
-        housings=self.housings,
-        sleeves=self.sleeves,
-    )
+    return layout(self, [mesh["centre_distance"] for mesh in mesh_geometry(self.description)])
 
 
 def mass_properties(self: System) -> "MassProperties":
@@ -168,8 +150,7 @@ def static(
     Returns
     -------
     Static
-        Displacements, mesh states and bearing forces, and the forces that remain unbalanced
-        (`residual`).
+        Displacements, mesh states, bearing forces, and what remains unbalanced (`residual`).
 
     Raises
     ------
@@ -178,8 +159,7 @@ def static(
     ContactError
         If the base circles of a pair overlap in live geometry.
     ConvergenceError
-        If the iteration does not converge: more than 1e-6 of the load of a shaft, support or
-        housing remains unbalanced. The error names it.
+        If more than 1e-6 of the load of a shaft, support or housing remains; the error names it.
     """
     text(geometry, "geometry")
     speed = number(speed, "speed")
@@ -282,8 +262,7 @@ def campbell(
         Speeds of the reference shaft [rad/s], from 0 or any other speed away from it. Negative ones
         are a rotation in the other sense, for example 0, -100, -200.
     count : int
-        Number of modes, from the lowest frequency at the first speed. The rigid-body rotation
-        does not count.
+        Number of modes without the rotation, from the lowest frequency at the first speed.
     harmonics : int
         Number of harmonics of every tooth frequency; 0 omits the teeth.
     threads : int, optional
@@ -301,8 +280,6 @@ def campbell(
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     ConvergenceError
         If the residual of a mode, an intersection or a threshold exceeds the limit of `modes`.
     """
@@ -335,8 +312,7 @@ def critical_speed_map(
         order·Ω > 0. The order is 1 for unbalance of the reference shaft, and -1 for the same at
         negative speeds, where the other flanks are in contact.
     count : int, optional
-        Number of the lowest critical speeds at each stiffness; None is all. Time and memory
-        then grow linearly with the number of elements.
+        Number of the lowest critical speeds at each stiffness, which saves time; None is all.
     threads : int, optional
         Largest number of threads, as for `campbell`.
     progress : bool, optional
@@ -345,13 +321,10 @@ def critical_speed_map(
     Returns
     -------
     CriticalSpeedMap
-        Critical speeds, their whirl and residual, and lines of the same mode. An eigenvalue
-        problem at each stiffness gives them.
+        Critical speeds by an eigenvalue problem at each stiffness, their whirl, residual and lines.
 
     Raises
     ------
-    SceneError
-        If the order is zero, or a stiffness or the count is invalid.
     ConvergenceError
         If a mode does not satisfy the equations of motion.
 
@@ -385,6 +358,9 @@ def synchronous(
 ) -> Synchronous:
     """Find the linear response to what turns once with a shaft, without time stepping.
 
+    Where planets move laterally on a carrier that turns, the response is that in the frame of the
+    carrier, with the speed of the shaft relative to it.
+
     Parameters
     ----------
     speeds : array_like, shape (speeds,) or scalar
@@ -404,8 +380,6 @@ def synchronous(
 
     Raises
     ------
-    SceneError
-        If a speed or the excitation is invalid.
     ConvergenceError
         If the residual of the response to a shaft exceeds 1e-4.
 
@@ -437,7 +411,7 @@ def synchronous(
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
         _bow=data["bow"],
-        _ratios=self.speed_ratios,
+        _ratios=self._model.ratios_in_frames,
         left_out=left_out(self) if excitation == "both" else (),
     )
 

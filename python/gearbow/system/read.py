@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from gearbow._convert import one_of
 from gearbow._files import as_path
-from gearbow._lookup import one_of
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
 
@@ -45,8 +45,7 @@ def read(path: str | os.PathLike[str], **options: Any) -> RotorSystem:
     Parameters
     ----------
     path : str or path-like
-        A scene file (TOML), a gear unit of REXS (``.rexs``, ``.rexsj``, ``.rexsz``), or a rotor of
-        ROSS (``.toml``, ``.json``).
+        A scene (TOML), a gear unit of REXS (``.rexs``, ``.rexsj``, ``.rexsz``) or a rotor of ROSS.
     **options
         What the file does not contain. REXS: `load_case`, `bearings` and `couplings` of
         `RotorSystem.read_rexs`. ROSS: `meshes` of `RotorSystem.from_ross`.
@@ -60,8 +59,6 @@ def read(path: str | os.PathLike[str], **options: Any) -> RotorSystem:
     ------
     SceneError
         If the file is damaged or of another kind, or cannot use an option.
-    OSError
-        If the file cannot be opened.
 
     Warns
     -----

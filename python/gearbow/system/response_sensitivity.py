@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import shown
+from gearbow._convert import one_of, shown
 from gearbow._core import Model
-from gearbow._lookup import one_of
 from gearbow._types import Array, ComplexArray, Plain
 from gearbow.analysis.protocol import System
 from gearbow.description.coordinates import Coordinates, time_derivatives
@@ -22,8 +21,14 @@ from gearbow.results.sensitivity import ResponseSensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
 from gearbow.sensors import SignalSensor
-from gearbow.system.motions import Motions, is_damped, require_memory_of
-from gearbow.system.parameter_family import ParameterFamily, extrapolated
+from gearbow.system.parameter_family import (
+    Motions,
+    ParameterFamily,
+    described,
+    extrapolated,
+    is_damped,
+    require_memory_of,
+)
 from gearbow.units.fields import QUANTITIES
 
 #: Round-off of differences over the sum of absolute elastic terms, relative to that over a result.
@@ -190,7 +195,9 @@ def of_synchronous(
     signal = _Signal.of(at, quantity, tuple(QUANTITIES))
     index = _index(signal, family.origin, of._bearings)
     parts = []
-    for i, (shaft, ratio) in enumerate(zip(of.shafts, family.base.speed_ratios, strict=True)):
+    for i, (shaft, ratio) in enumerate(
+        zip(of.shafts, family.base._model.ratios_in_frames, strict=True)
+    ):
         source: dict[str, Plain] = {
             "kind": "shaft",
             "shaft": shaft,
@@ -304,9 +311,7 @@ def _result(
 ) -> ResponseSensitivity:
     return ResponseSensitivity(
         kind=kind,
-        parameters=tuple(each.path for each in parameters),
-        parameter_values=np.array([each.value for each in parameters]),
-        units=tuple(each.unit for each in parameters),
+        **described(parameters),
         label=signal.label,
         unit=signal.unit,
         components=signal.components,

@@ -5,10 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from gearbow._convert import copied, nested, showing, shown, text, truth
+from gearbow._convert import CheckedKeywords, copied, nearest, nested, showing, shown, text, truth
 from gearbow._core import Model, mesh_geometry
 from gearbow._files import check_name, replacing
-from gearbow._lookup import CheckedKeywords, nearest
 from gearbow._shown import Shown, Table, listed
 from gearbow._types import Accuracy, Array, Dof, Plain, ShaftMotion
 from gearbow.accuracy import DEFAULT
@@ -19,7 +18,7 @@ from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_orders
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
-from gearbow.description.places import Housing, Support, names_of_bases
+from gearbow.description.places import Housing, Support
 from gearbow.description.planetary import PlanetaryStage, expanded, planet_masses, tooth_angles
 from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
@@ -34,7 +33,6 @@ from gearbow.description.train import PARTS, parts_of
 from gearbow.errors import SceneError, SceneWarning, warn
 from gearbow.results.properties import Discretisation
 from gearbow.sweeps.many import simulate_many
-from gearbow.system.bearing_life import bearing_life
 from gearbow.system.bodies import write_bodies
 from gearbow.system.bow_limits import bow_limits
 from gearbow.system.continuation import continuation
@@ -54,11 +52,10 @@ from gearbow.system.outputs import plot, report, to_fmu
 from gearbow.system.sensitivity import sensitivity
 from gearbow.system.simulation import default_output_step, require_memory_of_runs, simulate
 from gearbow.system.steady import steady_state
-from gearbow.system.strength import stresses
-from gearbow.system.thermal import thermal_bow
+from gearbow.system.strength import bearing_life, stresses, thermal_bow
 from gearbow.system.tradeoff import tradeoff
+from gearbow.units.fields import without_texts
 from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
-from gearbow.units.values import without_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -166,11 +163,6 @@ class RotorSystem(CheckedKeywords, Shown):
     reference, modal_damping, rayleigh, geometric_stiffness, bow_torque, gravity, motion, accuracy
         The given options; None if not given.
 
-    Raises
-    ------
-    SceneError
-        If the description is invalid. The message begins with the path of the entry.
-
     Warns
     -----
     SceneWarning
@@ -228,7 +220,7 @@ class RotorSystem(CheckedKeywords, Shown):
     gravity: float | tuple[float, float] | None
     motion: str | None
     accuracy: str
-    #: Unit of speeds in tables and figures: rpm if the texts of the scene have it.
+    #: Unit of speeds in tables and figures, that in the texts of the scene.
     _speed_unit: SpeedUnit = "rad/s"
     #: What the reader of a file assumed or left out.
     _notes: tuple[str, ...] = ()
@@ -359,11 +351,6 @@ class RotorSystem(CheckedKeywords, Shown):
             The keys are the names of the parameters, as in a TOML file; complex numbers may be
             pairs [re, im], and values may be texts with a unit, such as "500 mm".
 
-        Raises
-        ------
-        SceneError
-            If the description is invalid, or has an unknown key.
-
         Warns
         -----
         SceneWarning
@@ -395,10 +382,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Raises
         ------
         SceneError
-            If the description is invalid, the file is not TOML, or the file of an elastic housing
-            that it names is missing or another one.
-        OSError
-            If the file cannot be opened.
+            If the file is not TOML, or that of an elastic housing is missing or another one.
         """
         from gearbow.system.outputs import read_scene  # noqa: PLC0415  # with a TOML parser
 
@@ -415,8 +399,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file of ``rotor.save`` of ROSS 1 to 3, ``.toml`` or ``.json``. That of a
-            ``MultiRotor`` is ``.json``.
+            A file of ``rotor.save`` of ROSS 1 to 3, ``.toml``, or ``.json`` as of a ``MultiRotor``.
         meshes : sequence of Mesh
             The meshes of the gears of a ``MultiRotor``, which ROSS does not save. A gear has its
             tag as its name; `stiffness` is the ``gear_mesh_stiffness`` of ROSS, and
@@ -437,8 +420,6 @@ class RotorSystem(CheckedKeywords, Shown):
             If the file is not one of ROSS, or has an element that gearbow cannot represent, for
             example a bearing with added mass; the message names it. If the file has several shafts
             and gears, and no mesh is given.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----
@@ -474,8 +455,7 @@ class RotorSystem(CheckedKeywords, Shown):
         Parameters
         ----------
         path : str or path-like
-            A file ``.rexs`` (XML), ``.rexsj`` (JSON) or ``.rexsz`` (zip archive, also ``.zip``) of
-            version 1.0 to 2.0.
+            A file of version 1.0 to 2.0: ``.rexs``, ``.rexsj`` (JSON), ``.rexsz`` or ``.zip``.
         load_case : int, optional
             Number of the load case in the order of the file, from 1, whose torques and forces act.
             None is the first one. `gearbow.rexs_contents` lists them, with their speeds.
@@ -490,8 +470,7 @@ class RotorSystem(CheckedKeywords, Shown):
             estimated elements, if gearbow knows their dimensions or designation; "catalogue" or
             None is this for all.
         couplings : mapping of str to float, mapping or None, optional
-            The same for couplings: a torsional stiffness [N m/rad], or parameters of
-            `gearbow.Coupling`.
+            The same for couplings: a torsional stiffness [N m/rad] or fields of `Coupling`.
 
         Returns
         -------
@@ -504,8 +483,6 @@ class RotorSystem(CheckedKeywords, Shown):
         SceneError
             If the file is damaged, has a component that gearbow cannot represent, for example a
             ring gear, or does not contain a value that is not given either; the message names it.
-        OSError
-            If the file cannot be opened.
 
         Warns
         -----
@@ -546,8 +523,6 @@ class RotorSystem(CheckedKeywords, Shown):
         SceneError
             If the name has another ending, a load is a function of time, or REXS cannot hold an
             essential part, for example a housing, a journal bearing or a support.
-        OSError
-            If the file cannot be written. An existing scene and its files are unchanged.
 
         Warns
         -----
@@ -581,11 +556,6 @@ class RotorSystem(CheckedKeywords, Shown):
         -------
         RotorSystem
             The new system. This system does not change.
-
-        Raises
-        ------
-        SceneError
-            If a name is unknown, or the new system is invalid.
 
         Warns
         -----
@@ -699,17 +669,7 @@ class RotorSystem(CheckedKeywords, Shown):
     @property
     def coordinates(self) -> Coordinates:
         """Degrees of freedom by name and place."""
-        own = (bearing.support for bearing in self.bearings)
-        bases = names_of_bases(own, *self.supports, *self.housings)
-        return Coordinates.of(
-            self.dofs,
-            self.gears,
-            self.disks,
-            bases=bases,
-            housings=self.housings,
-            shafts=self.shafts,
-            sleeves=self.sleeves,
-        )
+        return Coordinates.of(self)
 
     plot = plot
     mass_properties = mass_properties
@@ -748,17 +708,17 @@ class RotorSystem(CheckedKeywords, Shown):
         return f"{type(self).__name__}({text}; accuracy {self.accuracy!r})"
 
     def __str__(self) -> str:
-        assumed = assumptions(self.shafts, self.gears, self.meshes, self.bearings)
+        assumed = assumptions(self)
         return "\n".join([repr(self), *(f"  assumed for {text}" for text in assumed)])
 
     def _rows(self) -> Table:
         """Give a row for each shaft: speed ratio, gears, and tooth frequencies over the speed."""
         rows, tooth = [], tooth_orders(self)
-        for shaft, ratio in zip(self.shafts, self.speed_ratios, strict=True):
-            gears = [gear for gear in self.gears if gear.shaft == shaft.name]
+        for shaft, ratio in ratios_by_shaft(self).items():
+            gears = [gear for gear in self.gears if gear.shaft == shaft]
             teeth = ", ".join(f"{gear.name} ({gear.teeth})" for gear in gears)
             orders = ", ".join(f"{tooth[gear.name]:.6g}" for gear in gears)
-            rows.append((shaft.name, f"{ratio:.6g}", teeth, orders))
+            rows.append((shaft, f"{ratio:.6g}", teeth, orders))
         return (("shaft", "speed ratio", "gears (teeth)", "tooth frequency / speed"), *rows)
 
 

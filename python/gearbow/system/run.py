@@ -19,7 +19,7 @@ from gearbow.analysis.protocol import System
 from gearbow.description.places import place
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import CheckpointWarning, GearbowError, SceneError, SceneWarning, warn
-from gearbow.recording import file
+from gearbow.recording import container
 from gearbow.recording.channels import signals, with_signals
 from gearbow.recording.container import archive_name
 from gearbow.recording.record import RunRecord
@@ -150,7 +150,7 @@ class Checkpoint:
         """Read the file, if it exists."""
         self._kept = None
         try:
-            record, about = file.read(self.path)
+            record, about = container.read(self.path)
         except FileNotFoundError:
             return
         except (GearbowError, OSError) as error:
@@ -226,7 +226,7 @@ class Checkpoint:
 
     def _save(self, record: RunRecord, checkpoint: dict[str, Plain] | None) -> None:
         try:
-            file.save(
+            container.save(
                 record, self.path, checkpoint={"asked": self._asked, "checkpoint": checkpoint}
             )
         except (OSError, MemoryError) as error:

@@ -20,8 +20,14 @@ from gearbow.results.modes import Modes
 from gearbow.results.sensitivity import Sensitivity
 from gearbow.results.static import Static
 from gearbow.results.synchronous import Synchronous
-from gearbow.system.motions import Motions, Terms, is_damped, require_memory_of
-from gearbow.system.parameter_family import ParameterFamily
+from gearbow.system.parameter_family import (
+    Motions,
+    ParameterFamily,
+    Terms,
+    described,
+    is_damped,
+    require_memory_of,
+)
 
 if TYPE_CHECKING:
     from gearbow.results.sensitivity import ResponseSensitivity
@@ -117,9 +123,7 @@ def of_modes(family: ParameterFamily, parameters: Sequence[Parameter], of: Modes
     frequencies = np.abs(of.eigenvalues.imag) / (2.0 * math.pi)
     return Sensitivity(
         kind="frequency",
-        parameters=tuple(each.path for each in parameters),
-        parameter_values=np.array([each.value for each in parameters]),
-        units=tuple(each.unit for each in parameters),
+        **described(parameters),
         outputs=tuple(f"mode {i + 1} ({whirl})" for i, whirl in enumerate(of.whirl)),
         output_values=frequencies,
         derivatives=np.sign(of.eigenvalues.imag) * slopes.imag / (2.0 * math.pi),
@@ -192,9 +196,7 @@ def of_intersections(
     derivatives = fixed.imag / (orders - rates.imag)
     return Sensitivity(
         kind="critical speed",
-        parameters=tuple(each.path for each in parameters),
-        parameter_values=np.array([each.value for each in parameters]),
-        units=tuple(each.unit for each in parameters),
+        **described(parameters),
         outputs=tuple(f"mode {each.mode + 1} with {each.line.name}" for each in crossings),
         output_values=speeds,
         derivatives=derivatives,
@@ -245,8 +247,7 @@ def sensitivity(
         Result of this system: its modes; its Campbell diagram, for the intersections with the
         excitation lines (critical speeds and tooth resonances); a response or the equilibrium.
     at : str, tuple or sensor, optional
-        Place, mesh or, of a response, `gb.Probe` or `gb.Accelerometer`, whose signal of a response
-        or equilibrium is differentiated.
+        Place, mesh or, of a response, sensor, whose signal is differentiated.
     quantity : str, optional
         What is differentiated at a place: "displacement" (default), "velocity", "acceleration",
         "twist", "axial_displacement" or "bearing_force"; of an equilibrium no velocity and
@@ -257,20 +258,17 @@ def sensitivity(
     Returns
     -------
     Sensitivity or ResponseSensitivity
-        Derivatives of the natural frequencies or of the speeds, and of the damping ratios; or of a
-        signal of a response or equilibrium.
+        Derivatives of frequencies or speeds and damping ratios; or of a signal.
 
     Raises
     ------
     SceneError
-        If a path does not lead to a number, `of` is not a result of this system, or an argument is
-        invalid.
+        If a path does not lead to a number, or `of` is not a result of this system.
     ConvergenceError
         If the matrices have no derivative with respect to a parameter: it cannot change at all, or
         the nodes would change, for example because a gear would leave the end of a segment.
     GearbowError
-        If two modes have equal eigenvalues at an intersection, a count of modes separates them, or
-        there is no such place.
+        If two modes meet at an intersection, a count separates equal ones, or the place is unknown.
 
     Notes
     -----

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearbow._convert import number, text, whole
+from gearbow._convert import number, positive, text, whole
 from gearbow._core import require_memory
 from gearbow._progress import reported, working
 from gearbow._times import distinct, grid
@@ -93,8 +93,7 @@ def simulate(
         the energy norm. None is that of the accuracy, or 1e-6 if a method is given. It excludes
         a fixed step.
     stages : int, optional
-        Number of Gauss nodes in a step of "exponential", 1 to 4. The order is twice this
-        number. None is 3.
+        Number of Gauss nodes in a step of "exponential", 1 to 4, half of the order. None is 3.
     modes : int, optional
         Number of modes of "exponential" and "etdrk4": the undamped modes and static displacements
         that matter most for the loads are kept. None is all, or as many as the accuracy needs.
@@ -121,13 +120,11 @@ def simulate(
         and "meshes"; for a system without gears "disks" and "bearings", for one without disks as
         well "nodes" and "bearings".
     geometry : {"live", "frozen"}
-        "live": line of action and tooth engagement follow the moving centres. "frozen": they
-        are those of the centres at rest.
+        Whether line of action and engagement follow the moving centres, or are those at rest.
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
     checkpoint : str or path-like, optional
         A ``.npz`` file for the state and the recorded data during the run. After an
         interruption, the same call continues the run, with the same result as without
@@ -163,8 +160,7 @@ def simulate(
         "reference"; or if the error of a reduction to `modes` exceeds the accuracy level. If the
         modes are nearly parallel, so that "rk45" replaces "exponential".
     CheckpointWarning
-        If the checkpoint cannot be written, for example on a full disk. The run continues, and
-        the file does not change.
+        If the checkpoint cannot be written; the run continues, and the file does not change.
 
     Examples
     --------
@@ -279,9 +275,7 @@ def _checkpoint(
     identity: Mapping[str, Any],
 ) -> "AbstractContextManager[Checkpoint | None]":
     """Open the checkpoint file of this run; None without a path."""
-    interval = number(interval, "checkpoint_interval", infinite=True)
-    if not interval > 0.0:
-        raise SceneError(f"checkpoint_interval: must be positive, got {interval}")
+    interval = positive(interval, "checkpoint_interval", infinite=True)
     if path is None:
         return nullcontext()
     from gearbow.system.run import Checkpoint  # noqa: PLC0415  # with libraries for files

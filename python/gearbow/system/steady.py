@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gearbow._convert import LARGEST_COUNT, number, text, whole
+from gearbow._convert import LARGEST_COUNT, number, positive, text, whole
 from gearbow._core import (
     common_period,
     has_constant_coefficients,
@@ -106,7 +106,7 @@ class Superposition:
         error = mesh.error
         if error is None:
             return
-        driver, driven = (self._ratio(gear) for gear in (mesh.driver, mesh.driven))
+        driver, driven = self._ratio(mesh.driver), self._ratio(mesh.driven)
         teeth = next(gear.teeth for gear in self.system.gears if gear.name == mesh.driver)
         if error.tooth is not None or error.table is not None:
             yield driver * teeth, TransmissionError(tooth=error.tooth, table=error.table)
@@ -174,25 +174,21 @@ def steady_state(
         after several of them. None is the common period, which follows from the numbers of
         teeth and from what excites: bow, unbalance, teeth, errors, run-out and loads.
     max_period : float
-        Longest accepted common period, and longest record without one [s]. Motions with a
-        longer period are found like those without one.
+        Longest common period, and record without one [s]; a longer period counts as none.
     accuracy : {"draft", "engineering", "reference"}, optional
         Accuracy of the motion, as for `simulate`.
     step : float, optional
         Fixed step [s]; the period is divided into steps of at most this length.
     rtol : float, optional
-        Tolerance of the integration, as for `simulate`. The iteration ends where its error is
-        below it.
+        Tolerance of the integration, as for `simulate`, and of the error of the iteration.
     stages : int, optional
         Number of Gauss nodes in a step, 1 to 4.
     modes : int, optional
         Number of modes, as for `simulate`.
     initial : {"synchronous", "static", "rest"}, Response or SteadyState
-        Motion from which the iteration starts. Where several motions exist, it decides which
-        is found.
+        Motion from which the iteration starts; it decides which of several ones is found.
     output_step : float, optional
-        Longest time between recorded instants [s], which divide the period evenly. None
-        resolves shaft rotation and tooth passing.
+        Longest time between recorded instants [s]; None resolves shaft rotation and tooth passing.
     record : sequence of str or tuple, optional
         Recorded items, as for `simulate`.
     geometry : {"live", "frozen"}
@@ -200,8 +196,7 @@ def steady_state(
     start : float, optional
         Time at the start [s]; 0 by default.
     progress : bool or callable, optional
-        True shows a progress bar; None shows one on a terminal after 2 s; a callable receives
-        the completed fraction.
+        True shows a progress bar, None after 2 s on a terminal; a callable gets the fraction.
 
     Returns
     -------
@@ -212,11 +207,9 @@ def steady_state(
     Raises
     ------
     SceneError
-        If an argument is invalid, or the excitation has no common period up to `max_period`
-        and contains a load over time.
+        If there is no common period up to `max_period`, and a load over time.
     ConvergenceError
-        If the iteration does not converge; the message gives the residual. Without a common period,
-        if the motion does not settle.
+        If the iteration does not converge, or without a common period the motion does not settle.
     StabilityError, ContactError
         As for `simulate`.
 
@@ -270,9 +263,7 @@ def _period(
 ) -> tuple[float, "Superposition | float | None"]:
     """Give the period; without one, the duration of the record, and the sources or `slowest`."""
     if given is not None:
-        given = number(given, "period")
-        if not given > 0.0:
-            raise SceneError(f"period: must be positive, got {given}")
+        given = positive(given, "period")
     try:
         return common_period(system._model, speed, given, longest), None
     except SceneError:
@@ -289,9 +280,7 @@ def period_samples(system: System, period: float, speed: float, output_step: flo
     """Give the number of recorded instants in a period."""
     if output_step is None:
         output_step = system._model.default_output_step(period, speed, 0.0)
-    output_step = number(output_step, "output_step")
-    if not output_step > 0.0:
-        raise SceneError(f"output_step: must be positive, got {output_step}")
+    output_step = positive(output_step, "output_step")
     samples = period / output_step * (1.0 - 1e-12)
     if samples > LARGEST_COUNT:
         raise SceneError(

@@ -4,8 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, get_args
 
-from gearbow._convert import items, number, positive, truth, whole
-from gearbow._lookup import one_of
+from gearbow._convert import items, number, one_of, positive, truth, whole
 from gearbow._times import grid
 from gearbow._types import InitialState, Progress
 from gearbow.accuracy import MAX_DEGREE
@@ -49,8 +48,7 @@ def tradeoff(  # numpydoc ignore=PR01
         a mesh (driver, driven). With several signals the worst error counts. None is the first
         gear, or the first disk of a system without gears.
     methods : str or list of str, optional
-        Methods to run, names of `gearbow.studies.METHODS`; None is all. Simplified models use
-        the first one.
+        Methods to run, of `gearbow.studies.METHODS`; None is all. Simplified models use the first.
     steps : list of float, optional
         Steps of the methods with fixed steps [s]; None is a series of steps for each method.
     tolerances : list of float, optional
@@ -86,8 +84,6 @@ def tradeoff(  # numpydoc ignore=PR01
 
     Raises
     ------
-    SceneError
-        If an argument is invalid.
     GearbowError
         If the budget is too short for a reference.
     KeyboardInterrupt
@@ -138,9 +134,7 @@ def tradeoff(  # numpydoc ignore=PR01
         degrees=orders,
         modes=_modes(modes, names, self),
     )
-    seconds = number(budget, "budget", infinite=True)
-    if not seconds > 0.0:
-        raise SceneError(f"budget: must be positive, got {budget!r}")
+    seconds = positive(budget, "budget", infinite=True)
     return Study(
         system=self,
         duration=duration,

@@ -48,6 +48,8 @@ OTHERS: dict[str, tuple[Fraction, int, _Dimension]] = {
     "lbf": (_POUND * _GRAVITY, 0, (1, 1, -2)),
     "psi": (_POUND * _GRAVITY / _INCH**2, 0, (-1, 1, -2)),
 }
+#: Functions of the package that convert a number with a unit.
+FUNCTIONS = {"mm": "mm", "rpm": "rpm", "deg": "degrees", "°": "degrees"}
 #: Units of a frequency, which are ambiguous for a speed: factor and power of π.
 FREQUENCIES = {"Hz": (Fraction(2), 1), "kHz": (Fraction(2000), 1)}
 SIGNS = {"µ": "u", "μ": "u", "°": "deg", "·": " ", "*": " ", "²": "^2", "³": "^3"}

@@ -15,15 +15,16 @@ from typing import Any, Literal, TypeAlias, TypeVar, get_args, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import matrix
-from gearbow._lookup import one_of
+from gearbow._convert import matrix, one_of
 from gearbow._types import Array
-from gearbow.units.values import is_quantity
+from gearbow.units.fields import is_quantity
 
 #: Unit of speeds in tables and figures.
 SpeedUnit: TypeAlias = Literal["rad/s", "rpm"]
+#: Revolutions per minute.
+PER_MINUTE: SpeedUnit = "rpm"
 #: What multiplies a speed in rad/s.
-_FACTORS: dict[str, float] = {"rad/s": 1.0, "rpm": 30.0 / math.pi}
+_FACTORS: dict[str, float] = {"rad/s": 1.0, PER_MINUTE: 30.0 / math.pi}
 
 
 class _RevolutionsPerMinute(float):
@@ -41,7 +42,7 @@ class _RevolutionsPerMinuteArray(np.ndarray[Any, np.dtype[np.float64]]):
 
 def as_given(speeds: Any, unit: SpeedUnit | None) -> Any:
     """Give speeds in rad/s, or None, as if the user had given them in a unit."""
-    if speeds is None or unit != "rpm":
+    if speeds is None or unit != PER_MINUTE:
         return speeds
     if isinstance(speeds, tuple):
         return tuple(as_given(speed, unit) for speed in speeds)
@@ -52,7 +53,7 @@ def as_given(speeds: Any, unit: SpeedUnit | None) -> Any:
 
 def other_unit(unit: SpeedUnit) -> SpeedUnit:
     """Give the other unit of speeds."""
-    return "rpm" if unit == "rad/s" else "rad/s"
+    return PER_MINUTE if unit == "rad/s" else "rad/s"
 
 
 #: Unit of the tables and figures that are being made; None outside of them.
@@ -92,11 +93,11 @@ def given_unit(speeds: Any) -> SpeedUnit | None:
     if isinstance(speeds, list | tuple):
         return next(filter(None, map(given_unit, speeds)), None)
     if isinstance(speeds, str):
-        return "rpm" if unit_in_texts(speeds) == "rpm" else None
+        return PER_MINUTE if unit_in_texts(speeds) == PER_MINUTE else None
     if isinstance(speeds, _RevolutionsPerMinute | _RevolutionsPerMinuteArray):
-        return "rpm"
+        return PER_MINUTE
     if is_quantity(speeds) and "revolutions_per_minute" in str(speeds.units):
-        return "rpm"
+        return PER_MINUTE
     return "rad/s" if is_quantity(speeds) and "radian" in str(speeds.units) else None
 
 
@@ -134,11 +135,19 @@ def unit_in_texts(plain: Any) -> SpeedUnit:
     if isinstance(plain, dict):
         plain = list(plain.values())
     if isinstance(plain, list):
-        return "rpm" if any(unit_in_texts(item) == "rpm" for item in plain) else "rad/s"
+        return PER_MINUTE if any(unit_in_texts(item) == PER_MINUTE for item in plain) else "rad/s"
     is_rpm = (
         isinstance(plain, str) and plain.split()[-1:] == ["rpm"] and plain[0] in "+-.0123456789"
     )
-    return "rpm" if is_rpm else "rad/s"
+    return PER_MINUTE if is_rpm else "rad/s"
+
+
+def parsed_speed(text: str, path: str, *, bare: bool = False) -> float:
+    """Read a speed with its unit, which is the given one; a `bare` number is in rad/s."""
+    from gearbow.units.parse import parsed  # noqa: PLC0415  # only texts need it
+
+    found: float = as_given(parsed(text, path, bare=bare), unit_in_texts(text))
+    return found
 
 
 @overload

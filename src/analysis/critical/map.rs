@@ -68,7 +68,9 @@ pub fn critical_speed_map(
         interrupt.check()?;
         // Without damping, the internal damping of a shaft has no circulatory forces either.
         let model = at(*stiffness)?;
-        model.scene.refuse_turning_frame("critical speed map")?;
+        model
+            .scene
+            .refuse_turning_frame("critical speed map; campbell() intersects modes with the lines of unbalance")?;
         Ok::<_, AnalysisError>(CachedModel::new(if model.needs_speed() { model.with_tables_at(0.0)? } else { model }))
     };
     let models = threads.map(stiffnesses, model)?;

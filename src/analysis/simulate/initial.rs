@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
-use super::super::synchronous::{motion, synchronous_of};
+use super::super::synchronous::{motion, response_to, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum};
 use super::run_cache::{Amplitudes, RunModel, SynchronousKey};
 use super::{Final, Initial, Options, explain};
@@ -15,7 +15,7 @@ use crate::integrate::{
 };
 use crate::mesh::Geometry;
 use crate::modal::{CachedModel, EquilibriumSpeeds, Highest};
-use crate::model::Model;
+use crate::model::{Model, ShaftModel};
 use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
 use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
@@ -176,21 +176,21 @@ fn equilibrium_at(
 
 /// Complex amplitudes of the synchronous motion of a key, one column for each source shaft.
 fn amplitudes(cached: &CachedModel, key: SynchronousKey) -> Result<DMatrix<Complex<f64>>, AnalysisError> {
-    let SynchronousKey { speed, flank_speed, uses_components, part } = key;
+    let SynchronousKey { speed, flank_speed, uses_components } = key;
     let model = &cached.model;
     let mut amplitudes = DMatrix::zeros(model.len(), model.shafts.len());
     // A reduced run has modal damping on few modes.
     let fastest = model.max_speed_ratio() * speed.abs();
     let highest = Highest::Frequency(if uses_components { fastest } else { f64::INFINITY });
     for shaft in 0..model.shafts.len() {
-        let found = synchronous_of(cached, speed, flank_speed, shaft, part, highest)?;
+        let found = synchronous_of(cached, speed, flank_speed, shaft, ExcitationPart::All, highest)?;
         amplitudes.set_column(shaft, &found.phasors);
     }
     Ok(amplitudes)
 }
 
 /// The synchronous motion of a key, which the runs of a system share.
-pub(super) fn synchronous_amplitudes(cached: &RunModel<'_>, key: SynchronousKey) -> Result<Amplitudes, AnalysisError> {
+fn synchronous_amplitudes(cached: &RunModel<'_>, key: SynchronousKey) -> Result<Amplitudes, AnalysisError> {
     cached.known.synchronous.get_or_try(key, || amplitudes(cached, key).map(Arc::new))
 }
 
@@ -204,11 +204,22 @@ fn synchronous(
     let time = rotation.origin;
     let speed = options.speed.at(time);
     let uses_components = options.uses_components(&cached.model);
-    let (flank_speed, part) = (options.fastest(), ExcitationPart::All);
-    let amplitudes = synchronous_amplitudes(cached, SynchronousKey { speed, flank_speed, uses_components, part })?;
+    let flank_speed = options.fastest();
+    let amplitudes = synchronous_amplitudes(cached, SynchronousKey { speed, flank_speed, uses_components })?;
     check_size(cached, &amplitudes)?;
-    let phasors: Vec<_> = cached.model.shafts.iter().map(|shaft| rotation.phasor_at_origin(shaft.ratio)).collect();
-    let (q, v) = motion(cached, speed, &amplitudes, &phasors);
+    let ratios = cached.model.shafts.iter().map(ShaftModel::ratio_in_frame);
+    let phasors: Vec<_> = ratios.map(|ratio| rotation.phasor_at_origin(ratio)).collect();
+    let (mut q, mut v) = motion(cached, speed, &amplitudes, &phasors);
+    let equation = EquationOfMotion::along(cached, options.geometry, rotation, found.clone());
+    for weight in equation.sources().iter().filter(|load| load.is_weight) {
+        let phasor = weight.phasor(0.0, None);
+        let found = response_to(cached, speed, weight, Highest::Frequency(f64::INFINITY))?.phasors;
+        for (index, amplitude) in found.iter().enumerate() {
+            let value = amplitude * phasor;
+            q[index] += value.re;
+            v[index] -= weight.spin * value.im;
+        }
+    }
     Ok([(equilibrium_at(cached, options, found, time)? + q).as_slice(), v.as_slice()].concat())
 }
 

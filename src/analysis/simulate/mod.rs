@@ -161,7 +161,9 @@ pub fn simulate(
 fn of_run<'a>(system: &'a System, options: &Options) -> Result<RunModel<'a>, AnalysisError> {
     system.model.scene.refuse_loss_factors()?;
     system.model.scene.refuse_reduced_pads()?;
-    system.model.scene.refuse_turning_frame("run")?;
+    if matches!(options.speed, Speed::Changing(_)) {
+        system.model.scene.refuse_turning_frame("run at a changing speed; give a constant speed")?;
+    }
     let at_speed = match options.speed {
         Speed::Constant(_) => system.at_speed(options.fastest())?,
         Speed::Changing(_) => system.with_operating_points_of(options.fastest())?,

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::super::synchronous::synchronous_of;
-use super::super::{AnalysisError, ExcitationPart};
-use super::initial::{Start, synchronous_amplitudes};
-use super::run_cache::{ResponseKey, RunModel, SynchronousKey};
+use super::super::AnalysisError;
+use super::super::synchronous::response_to;
+use super::initial::Start;
+use super::run_cache::{ResponseKey, RunModel};
 use super::{Method, Options, ramp};
 use crate::exponential::{InterfaceMaps, Loads, OutputMap, Selection, is_resonant};
 use crate::integrate::State;
@@ -43,10 +43,11 @@ impl<'m> ModalSetup<'m> {
         motion.linearise_at(speed);
         let model = ramp::linear_model(cached, options)?;
         // With separation and varying stiffness, the mean mesh stiffness is a poor approximation: the linear part then
-        // contains the shafts alone.
+        // contains the shafts alone. Frames that turn couple these.
         let uncoupled = options.method == Method::Exponential
             && subspace.is_none()
             && options.modes.is_none()
+            && !cached.model.scene.has_turning_frame()
             && motion.varying_flanks_can_separate();
         let without_meshes = if uncoupled { model.linear_without_meshes(speed)? } else { None };
         let linear = match (subspace, without_meshes) {
@@ -55,30 +56,27 @@ impl<'m> ModalSetup<'m> {
             (None, None) => model.linear(speed)?,
         };
         // At a changing speed, bow and unbalance are loads, and no shaft is a source of synchronous motion.
-        let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), cached.model.shafts.len());
-        let sources: Vec<&RotatingLoad> =
-            motion.sources().iter().filter(|source| !is_resonant(&linear, source.spin)).collect();
+        let mut amplitudes: DMatrix<Complex<f64>> = DMatrix::zeros(cached.model.len(), motion.sources().len());
+        let sources: Vec<(usize, &RotatingLoad)> =
+            motion.sources().iter().enumerate().filter(|(_, source)| !is_resonant(&linear, source.spin)).collect();
         if subspace.is_some() {
             let highest = Highest::Frequency(cached.model.max_speed_ratio() * speed.abs());
-            for RotatingLoad { shaft, .. } in sources {
-                let found = synchronous_of(cached, speed, speed, *shaft, ExcitationPart::Loads, highest)?;
-                amplitudes.set_column(*shaft, &found.phasors);
+            for (column, source) in sources {
+                amplitudes.set_column(column, &response_to(cached, speed, source, highest)?.phasors);
             }
         } else {
             let key = ResponseKey {
                 linear: Arc::clone(&linear),
-                spins: sources.iter().map(|source| source.spin).collect(),
-                forces: sources.iter().map(|source| source.columns()).collect(),
+                spins: sources.iter().map(|(_, source)| source.spin).collect(),
+                forces: sources.iter().map(|(_, source)| source.columns()).collect(),
             };
             let responses = cached.known.responses.get_or(key.clone(), || key.responses());
-            for (RotatingLoad { shaft, .. }, response) in sources.into_iter().zip(responses.iter()) {
+            for ((column, source), response) in sources.into_iter().zip(responses.iter()) {
                 match response {
-                    Some(found) => amplitudes.set_column(*shaft, found),
+                    Some(found) => amplitudes.set_column(column, found),
                     None => {
-                        // The meshes of the run contain run-out and transmission errors.
-                        let part = ExcitationPart::Loads;
-                        let key = SynchronousKey { speed, flank_speed: speed, uses_components: false, part };
-                        amplitudes.set_column(*shaft, &synchronous_amplitudes(cached, key)?.column(*shaft));
+                        let highest = Highest::Frequency(f64::INFINITY);
+                        amplitudes.set_column(column, &response_to(cached, speed, source, highest)?.phasors);
                     }
                 }
             }

@@ -80,6 +80,8 @@ pub(super) struct Recorder<'a, 'm> {
     /// Indices of the coordinates that recording needs, and of those whose acceleration it needs.
     coordinates: Vec<usize>,
     accelerated: Vec<usize>,
+    /// Shaft of each point; none for a housing.
+    shafts: Vec<Option<usize>>,
     /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
     bearing_rows: Vec<Option<[Row; 2]>>,
     /// Number of values behind the coordinates of a vector: potentials of constant loads, where energies are recorded.
@@ -135,6 +137,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
         let turnings = if plan.cuts.is_empty() { 0 } else { MAX_WAITING * model.scene.shafts.len() };
         Self {
             coordinates: with_cuts(plan.coordinates(model)),
+            shafts: plan.points.iter().map(|point| model.scene.shaft(&point.part)).collect(),
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             scratch: Scratch {
                 displacement: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
@@ -181,7 +184,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
             let (q, v) = (&mut self.scratch.displacement[..room], &mut self.scratch.velocity[..room]);
             motion.states(instants, &self.coordinates, q, v);
             let has_cuts = !self.plan.cuts.is_empty();
-            let is_combined = has_cuts && motion.combines(instants)?;
+            let is_combined = has_cuts && !self.has_turning_frame() && motion.combines(instants)?;
             if self.plan.acceleration || has_cuts && !is_combined {
                 motion.accelerations(instants, &self.accelerated, &mut self.scratch.acceleration[..count * len])?;
             }
@@ -192,6 +195,7 @@ impl<'a, 'm> Recorder<'a, 'm> {
                     self.add_turnings(*elapsed, index);
                 }
                 if has_cuts && !is_combined {
+                    self.turn_to_ground(*elapsed, index);
                     self.add_section_forces(|recorder, cut, turning| cut.forces(&recorder.moving(index), turning));
                 }
             }
@@ -260,27 +264,34 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 series.push(value);
             }
         }
-        for point in &self.plan.points {
+        for (point, shaft) in self.plan.points.iter().zip(&self.shafts) {
+            let frame = shaft.and_then(|shaft| self.motion.frame(shaft, elapsed));
             let PlaceRows { displacement, twist, .. } = &point.rows;
             let lateral = |of: &[f64]| displacement.as_ref().map_or([0.0; 2], |rows| along_rows(rows, of));
             let twist = |of: &[f64]| twist.as_ref().map_or(0.0, |row| along_row(row, of));
-            self.record.displacement.extend(lateral(q));
+            let (place, rate) = (lateral(q), lateral(v));
+            self.record.displacement.extend(frame.map_or(place, |frame| frame.turned(place)));
             self.record.twist.push(twist(q));
             if self.plan.velocity {
-                self.record.velocity.extend(lateral(v));
+                self.record.velocity.extend(frame.map_or(rate, |frame| frame.velocity(place, rate)));
                 self.record.twist_rate.push(twist(v));
             }
             if self.plan.acceleration {
-                self.record.acceleration.extend(lateral(&self.scratch.acceleration[own.clone()]));
+                let own = lateral(&self.scratch.acceleration[own.clone()]);
+                self.record.acceleration.extend(frame.map_or(own, |frame| frame.acceleration(place, rate, own)));
             }
         }
         for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
+            // What acts on a pin stays in the frame of its carrier.
+            let frame = self.motion.frame(node.shaft, elapsed).filter(|_| model.scene.carrier_of(node.shaft).is_none());
             let force = self.motion.bearing_force(*node, elapsed, q, v);
-            self.record.bearing_force.extend([force[0], force[1]]);
+            let across = [force[0], force[1]];
+            self.record.bearing_force.extend(frame.map_or(across, |frame| frame.turned(across)));
             if model.scene.axial {
                 self.record.axial.bearing_force.push(force[2]);
             }
-            self.record.bearing_displacement.extend(rows.as_ref().map_or([0.0; 2], |rows| along_rows(rows, q)));
+            let place = rows.as_ref().map_or([0.0; 2], |rows| along_rows(rows, q));
+            self.record.bearing_displacement.extend(frame.map_or(place, |frame| frame.turned(place)));
             if model.rolls_at(*node) {
                 self.record.rolling.extend(self.motion.rolling_contact(*node, elapsed, q));
             }
@@ -308,6 +319,30 @@ impl<'a, 'm> Recorder<'a, 'm> {
         let displacement = &displacement[index * (model.len() + self.extra)..][..model.len()];
         let shafts = 0..model.scene.shafts.len();
         turnings.extend(shafts.map(|shaft| self.motion.turning(shaft, elapsed, displacement)));
+    }
+
+    /// Whether a lateral motion is that in a frame that turns.
+    fn has_turning_frame(&self) -> bool {
+        self.motion.model().scene.has_turning_frame()
+    }
+
+    /// Turns the bending of shafts in frames that turn to the motion seen from the ground, from which section forces follow. The
+    /// motion has this index among those that were read.
+    fn turn_to_ground(&mut self, elapsed: f64, index: usize) {
+        let model = self.motion.model();
+        let (begin, own) = (index * (model.len() + self.extra), index * model.len());
+        for (shaft, bent) in model.shafts.iter().enumerate() {
+            let (Some(frame), Some(chain)) = (self.motion.frame(shaft, elapsed), &bent.bending) else { continue };
+            for pair in chain.coordinates::<2>().step_by(2) {
+                let Scratch { displacement, velocity, acceleration, .. } = &mut self.scratch;
+                let [q, v] = [&mut *displacement, &mut *velocity].map(|of| &mut of[begin + pair..begin + pair + 2]);
+                let a = &mut acceleration[own + pair..own + pair + 2];
+                let [place, rate, change] = [&*q, &*v, &*a].map(|of| [of[0], of[1]]);
+                q.copy_from_slice(&frame.turned(place));
+                v.copy_from_slice(&frame.velocity(place, rate));
+                a.copy_from_slice(&frame.acceleration(place, rate, change));
+            }
+        }
     }
 
     /// The motion at the instant with this index among those that were read.

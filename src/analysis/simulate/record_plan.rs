@@ -300,6 +300,10 @@ impl RecordPlan {
             }
         }
         coordinates.extend(points.into_iter().chain(bases).chain(of_meshes));
+        if model.scene.has_turning_frame() {
+            // The recorder turns the coordinates to those seen from the ground, which combinations do not.
+            coordinates.extend(self.cuts.iter().flat_map(Cut::coordinates));
+        }
         let turning = self.cuts.iter().filter_map(|cut| model.turning_bow(cut.shaft));
         coordinates.extend(turning.flat_map(TurningBow::twist_coordinates));
         coordinates.sort_unstable();
@@ -312,7 +316,7 @@ impl RecordPlan {
     /// Indices of the coordinates whose accelerations recording needs, ascending.
     pub(super) fn accelerated(&self, model: &Model) -> Vec<usize> {
         let points = if self.acceleration { self.points.clone() } else { Vec::new() };
-        Self { points, ..Self::default() }.coordinates(model)
+        Self { points, cuts: self.cuts.clone(), ..Self::default() }.coordinates(model)
     }
 
     /// Combinations of coordinates from which [`Cut::combined`] finds the section forces in a motion.
@@ -348,7 +352,9 @@ impl RecordPlan {
     /// Indices of the displacements and of the velocities that recording needs besides the energies, ascending.
     fn without_energies(&self, model: &Model) -> [Vec<usize>; 2] {
         let resting = Self { energy: false, ..self.clone() };
-        let points = if self.velocity { self.points.clone() } else { Vec::new() };
+        // Seen from the ground, the acceleration in a frame that turns depends on the velocity.
+        let has_velocity = self.velocity || self.acceleration && model.scene.has_turning_frame();
+        let points = if has_velocity { self.points.clone() } else { Vec::new() };
         let mut moving = Self { points, ..resting.clone() };
         // Contact events need the velocities at all meshes with backlash.
         (0..model.meshes.len()).filter(|mesh| model.meshes[*mesh].backlash.is_some()).for_each(|m| moving.add_mesh(m));

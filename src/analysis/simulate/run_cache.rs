@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::super::ExcitationPart;
 use super::known_reduction::{KnownReduction, ReductionKey};
 use crate::exponential::{PropagatorCache, PropagatorKey};
 use crate::modal::{AtSpeed, CachedModel, ModalStateSpace, Recent};
@@ -25,8 +24,6 @@ pub(super) struct SynchronousKey {
     pub flank_speed: f64,
     /// Whether modal damping acts on the modes of the components.
     pub uses_components: bool,
-    /// The part of the excitation: all that turns with the shafts, or the loads alone.
-    pub part: ExcitationPart,
 }
 
 /// What the synchronous responses of a linear motion read: the arguments of [`ModalStateSpace::synchronous`].

@@ -178,7 +178,7 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
                 largest * if operator.is_affine { STAGE_SOLVE_RTOL } else { STAGE_SOLVE_RTOL / DERIVATIVE_DIFFERENCE };
             if lost > smallest {
                 return Err(AnalysisError::Convergence(format!(
-                    "multipliers: those below {lost:.0e} are lost in the round-off of the largest one, {largest:.1e}; take a larger magnitude with multipliers_above()"
+                    "multipliers: those below {lost:.0e} are lost in the round-off of the largest one, {largest:.1e}; take a larger magnitude with multipliers(magnitude)"
                 )));
             }
             return Ok(pairs.iter().map(|pair| pair.value).collect());
@@ -188,6 +188,6 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
         return Ok(Vec::new());
     }
     Err(AnalysisError::Convergence(format!(
-        "multipliers: one of magnitude {smallest} or more has a relative residual of {largest_residual:.1e} after {limit} products, and must have {MAX_RESIDUAL:e}; add damping, or take a larger magnitude with multipliers_above()"
+        "multipliers: one of magnitude {smallest} or more has a relative residual of {largest_residual:.1e} after {limit} products, and must have {MAX_RESIDUAL:e}; add damping, or take a larger magnitude with multipliers(magnitude)"
     )))
 }

@@ -96,7 +96,6 @@ struct Source {
 /// # Errors
 /// [`SceneError`] that names the frequencies if there is no period, or if it is too long.
 pub fn common_period(model: &Model, speed: f64, given: Option<f64>, longest: f64) -> Result<f64, AnalysisError> {
-    model.scene.refuse_turning_frame("steady state")?;
     if let Some(period) = given {
         return Ok(period);
     }
@@ -180,10 +179,21 @@ fn sources(model: &Model) -> Vec<Source> {
         let name = format!("{what} of shaft \"{}\"", scene.shafts[index].name);
         Source::exact(name, ratios[index], scene.speed_ratios[index].abs())
     };
+    let turning = |index: &usize| {
+        // Bow and unbalance of a carrier are constant in its frame.
+        !model.shafts[*index].excitations.is_empty() && model.shafts[*index].ratio_in_frame() != 0.0
+    };
     let mut sources: Vec<Source> = (0..scene.shafts.len())
-        .filter(|index| !model.shafts[*index].excitations.is_empty())
-        .map(|index| shaft(index, "bow, unbalance or turning force"))
+        .filter(turning)
+        .map(|index| {
+            let name = format!("bow, unbalance or turning force of shaft \"{}\"", scene.shafts[index].name);
+            let frame = scene.frame_of(index).map_or(Some(Ratio::ZERO), |carrier| ratios[carrier]);
+            let exact = frame.zip(ratios[index]).and_then(|(frame, own)| own.plus(frame.times(-1, 1)?));
+            Source::exact(name, exact, model.shafts[index].ratio_in_frame().abs())
+        })
         .collect();
+    // What is seen from the ground repeats after whole revolutions of the frames that turn.
+    sources.extend(scene.carriers().into_iter().map(|index| shaft(index, "rotation of the carrier")));
     for (index, mesh) in scene.meshes.iter().enumerate() {
         let [driver, driven] = [mesh.driver, mesh.driven].map(|gear| &scene.gears[gear]);
         let [first, second] = [driver, driven].map(|gear| gear.body.node.shaft);

@@ -47,7 +47,7 @@ pub struct Loads<'m> {
 
 impl<'m> Loads<'m> {
     /// Collects the loads of a motion about `reference`, and the maps between them and `linear`. `synchronous` holds the
-    /// complex amplitudes of all displacements, one column for each shaft as the source. Columns of shafts that are
+    /// complex amplitudes of all displacements, one column for each source. Columns of sources that are
     /// resonant, see [`super::is_resonant`], are not read.
     ///
     /// # Errors

@@ -66,7 +66,7 @@ fn constant_load(
     reference: &DVector<f64>,
 ) -> Row {
     let model = motion.model();
-    let load = &model.constant_load;
+    let load = motion.constant_load();
     let mut residual = load.clone();
     let mut scale = load.map(f64::abs);
     let mut add = |index: usize, value: f64| {

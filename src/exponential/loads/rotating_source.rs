@@ -23,16 +23,16 @@ pub fn is_resonant(linear: &ModalStateSpace, spin: f64) -> bool {
     linear.resonance_distance(spin) < RESONANCE_DISTANCE * spin.abs()
 }
 
-/// Synchronous amplitudes of all displacements, one column for each source; zero at resonance. `synchronous` has one
-/// column for each shaft.
+/// Synchronous amplitudes of all displacements, one column for each source; zero at resonance. `synchronous` has the
+/// same columns.
 pub(in crate::exponential) fn synchronous_amplitudes(
     linear: &ModalStateSpace,
     sources: &[RotatingLoad],
     synchronous: &DMatrix<Complex<f64>>,
 ) -> DMatrix<Complex<f64>> {
     let mut amplitudes = DMatrix::zeros(synchronous.nrows(), sources.len());
-    for (index, source) in sources.iter().enumerate().filter(|(_, source)| !is_resonant(linear, source.spin)) {
-        amplitudes.set_column(index, &synchronous.column(source.shaft));
+    for (index, _) in sources.iter().enumerate().filter(|(_, source)| !is_resonant(linear, source.spin)) {
+        amplitudes.set_column(index, &synchronous.column(index));
     }
     amplitudes
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Base, BearingCoefficient, Coefficient};
+use super::{Base, BearingCoefficient, Coefficient, Complex};
 
 /// A bearing under a shaft: linear with `stiffness`, on the ground, a support or a housing; or a journal bearing on the ground
 /// with `diameter` and the other entries of its film; or a rolling bearing with `elements` and the other entries of its elements.
@@ -27,6 +27,8 @@ pub struct Bearing {
     pub tilting_damping: Option<f64>,
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
     pub loss_factor: Option<f64>,
+    /// Displacement of what it stands on from the place in the drawing, y + iz, m.
+    pub misalignment: Option<Complex>,
     /// Diameter of a journal, m.
     pub diameter: Option<f64>,
     /// Length of a journal bearing, m.

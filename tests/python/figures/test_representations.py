@@ -107,6 +107,7 @@ def objects() -> dict[str, object]:
         gb.Surface([[0, 1, 2]] * 300, [[0.0, 0.0, 1e-4]] * 300),
         gb.Notch("s", 0.5, bending=1.5),
         gb.StrainGauge(("s", 0.5), "bending"),
+        gb.RingSensor("ring", angle=0.5),
         pair.static(20.0).section_forces("shaft 0"),
         system.stresses(20.0),
         gb.Coupling(("a", 0.0), ("b", 0.0), torsional_stiffness=4.0),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow._lookup import nodal
+from gearbow._convert import nodal
 from gearbow.description.layout import layout, reference_radius
 from gearbow.description.train import Train
 from gearbow.plotting.shapes import _at_maximum, _lever, _ring, refined
@@ -36,9 +36,7 @@ def test_radii():
     # I_p = m r² / 2 of a thin disk
     assert reference_radius(gb.Disk("d", "s", 0.1, 8.0, 0.02, 0.04)) == pytest.approx(0.1)
     system = stepped_rotor()
-    (shaft,) = layout(
-        system.shafts, (), system.disks, (), system.bearings, centre_distances=()
-    ).shafts
+    (shaft,) = layout(system, []).shafts
     assert [shaft.outer_radius(x) for x in (0.1, 0.3, 0.31, 0.8)] == pytest.approx(
         [0.02, 0.02, 0.03, 0.03]
     )
@@ -51,6 +49,24 @@ def test_a_twist_moves_the_rim_of_the_body_at_its_place():
     assert _lever(system, ("s", 0.3, "twist")) == disk.radius
     assert _lever(system, ("s", 0.8, "twist")) == pytest.approx(0.03)
     assert (_lever(system, ("s", 0.3, "v")), _lever(system, ("s", 0.3, "B"))) == (1.0, 0.0)
+
+
+def test_a_housing_below_named_supports_is_a_base():
+    supports = {"left": 0.0, "right": 1.0}
+    system = gb.RotorSystem(
+        [gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)],
+        bearings=[
+            gb.Bearing("rotor", x, stiffness=1e8, support=name) for name, x in supports.items()
+        ],
+        supports=[gb.Support(name, mass=5.0, stiffness=1e8, support="frame") for name in supports],
+        housings=[gb.Housing("frame", mass=50.0, stiffness=1e7)],
+    )
+    bases = system.modes(count=2).layout.bases
+    assert {base.name: base.feet for base in bases} == {
+        "left": (("rotor", 0.0),),
+        "right": (("rotor", 1.0),),
+        "frame": (("rotor", 0.0), ("rotor", 1.0)),
+    }
 
 
 def test_a_shape_is_drawn_at_its_largest_displacement():

@@ -20,7 +20,7 @@ from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.labels import Labels
 from gearbow.plotting.symbols import developed
-from gearbow.plotting.views import line_of_action
+from gearbow.plotting.train import line_of_action
 from reference.equations import base_radius
 from reference.figure_texts import area, box_of, check_texts
 from reference.machines import (

@@ -364,10 +364,10 @@ def test_every_reader_is_tested():
         "exchange.rexs_file._unzipped",  # of bytes
         *(f"exchange.fmu.{name}" for name in ("__init__", "write_fmu")),  # of a unit, which is code
         "system.read.format_of",  # only tells formats apart
-        "machines.examples._read",  # a file of the package
+        "machines.examples.described",  # a file of the package
         "_sheets._write_sheet",  # opens a member of an archive that it writes
         "studies.dataset._check_card",  # any text
-        *("report.page.write", "report.texts.german"),  # files of the package
+        *("report.page.write", "report.page.german"),  # files of the package
         *(f"sweeps.store.{name}" for name in ("_open", "write")),
     }
     assert found - others == READERS - {"_files.reading"}

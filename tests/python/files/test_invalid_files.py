@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.recording import file as storage
+from gearbow.recording import container as storage
 from gearbow.recording.channels import arrays_of, metadata_of
 from reference.cases import each_case
 from reference.machines import bowed_pair

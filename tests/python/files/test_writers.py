@@ -104,7 +104,7 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
     "results.frequency_response._write": {
         "curves.mat": lambda path: response().save(path),
     },
-    "recording.file.save": {
+    "recording.container.save": {
         "run.npz": lambda path: recorded(rows=20).save(path),
     },
     "sweeps.store.write": {
@@ -134,7 +134,7 @@ def test_every_writer_is_tested():
         "_sheets._csv",
         "exchange.fmu.write_fmu",
         "exchange.harmonic.write_mat",
-        "recording.file.save",
+        "recording.container.save",
     }
 
 

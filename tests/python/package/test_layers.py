@@ -35,7 +35,6 @@ PROGRAM = "cli/"
 PRIVATE = {
     "identification/responses.py": {"_variation"},
     "report/api617.py": {"_model", "_own", "_peaks", "_vibrations"},
-    "report/compose.py": {"_model"},
     "report/contents.py": {
         "_drawn",
         "_largest",
@@ -46,6 +45,7 @@ PRIVATE = {
         "_places",
         "_vibrations",
     },
+    "report/compose.py": {"_model"},
     "report/page.py": {"_columns", "_left_out", "_remarks", "_showing"},
     "report/shared.py": {"_from_description", "_model", "_vibrations"},
     "studies/study.py": {"_speed_unit"},

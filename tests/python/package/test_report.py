@@ -19,12 +19,11 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.report import texts
+from gearbow.report import page as texts
 from gearbow.report.contents import SECTIONS, accuracy, bow, campbell, data
+from gearbow.report.operation import resonances, strength
 from gearbow.report.page import parts_tables, picture
-from gearbow.report.resonances import resonances
 from gearbow.report.shared import Contents, Options, table_range
-from gearbow.report.strength import strength
 from reference.equations import base_radius
 from reference.machines import (
     bowed_rotor_with_disk,

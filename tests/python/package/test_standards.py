@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import gearbow as gb
-from gearbow.description.bow_limit import DISPLACEMENTS, VELOCITIES
+from gearbow.description.bow import DISPLACEMENTS, VELOCITIES
 from gearbow.report import api617
 from reference import standards
 from reference.machines import bowed_pair

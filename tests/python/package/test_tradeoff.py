@@ -354,7 +354,7 @@ def test_progress_increases_from_0_to_1(capsys):
 @each_case(
     ("given", "text"),
     [
-        ({"duration": 0.0}, "duration: must be positive and finite, got 0.0"),
+        ({"duration": 0.0}, "duration: must be positive, got 0.0"),
         ({"duration": "long"}, "duration: must be a number, got 'long'"),
         ({"speed": np.nan}, "speed: must be finite, got nan"),
         ({"signals": "g9"}, 'signals: no gear, disk, support or housing is called "g9"'),
@@ -365,15 +365,15 @@ def test_progress_increases_from_0_to_1(capsys):
         ({"methods": ["euler"]}, "methods[0]: must be one of exponential, rk45, rk4"),
         ({"methods": []}, "methods: must name at least one method"),
         ({"methods": "rk45", "tolerances": []}, "methods: no settings for rk45"),
-        ({"steps": [1e-6, 0.0]}, "steps[1]: must be positive and finite, got 0.0"),
+        ({"steps": [1e-6, 0.0]}, "steps[1]: must be positive, got 0.0"),
         ({"tolerances": [2.0]}, "tolerances[0]: must be between 0 and 1, got 2.0"),
         ({"tolerances": 1e-3}, "tolerances: must be a list of numbers, got 0.001"),
-        ({"elements": [-1.0]}, "elements[0]: must be positive and finite, got -1.0"),
+        ({"elements": [-1.0]}, "elements[0]: must be positive, got -1.0"),
         ({"modes": [0]}, "modes[0]: must be at least 1, got 0"),
         ({"repeats": 0}, "repeats: must be at least 1, got 0"),
         ({"budget": 0.0}, "budget: must be positive, got 0.0"),
         ({"initial": "warm"}, "initial: must be one of synchronous, static, rest, got 'warm'"),
-        ({"output_step": 0.0}, "output_step: must be positive and finite, got 0.0"),
+        ({"output_step": 0.0}, "output_step: must be positive, got 0.0"),
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )

@@ -110,6 +110,7 @@ SCENE: dict[str, Any] = {
             "tilting_stiffness": 1e4,
             "tilting_damping": 1.0,
             "loss_factor": 0.02,
+            "misalignment": 2e-5 + 1e-5j,
             "dynamic_rating": 3e4,
             "static_rating": 2e4,
             "contact_angle": 0.2,

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import gearbow as gb
-from gearbow.recording import file as storage
+from gearbow.recording import container as storage
 from test_exponential_runs import SCENES, SHARP, SMOOTH, with_mesh
 from test_persistence import assert_same
 

@@ -153,7 +153,7 @@ def test_a_failed_step_leaves_the_instant():
     for call, message in (
         (lambda: made.step(0.0), "step: must be positive"),
         (lambda: made.step(-STEP), "step: must be positive"),
-        (lambda: made.step(float("nan")), "step: must be positive"),
+        (lambda: made.step(float("nan")), "step: must be finite"),
         (lambda: made.set({"torque g2": 1.0}), r"no 'torque g2'; did you mean .torque g1"),
         (lambda: made.set({"speed": 201.0}), "within speed_input, 50 to 200 rad/s, got 201"),
         (lambda: made.set({"torque g1": float("inf")}), "torque g1"),

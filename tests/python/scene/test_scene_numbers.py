@@ -49,7 +49,7 @@ RIGHT = {
     "fraction": Fraction(1),
     "decimal": Decimal(1),
 }
-COMPLEX = ("unbalance",)
+COMPLEX = ("unbalance", "misalignment")
 
 
 def rotor() -> gb.RotorSystem:

@@ -13,9 +13,8 @@ import pytest
 
 import gearbow as gb
 from gearbow.description.part import Part
-from gearbow.units.fields import FIELDS, unit_of
+from gearbow.units.fields import FIELDS, magnitude, unit_of
 from gearbow.units.parse import parsed
-from gearbow.units.values import magnitude
 from reference.cases import each_case
 from reference.machines import rotor
 
@@ -189,14 +188,17 @@ INNER = {
 
 
 def described(part: type[Part]) -> dict[str, str | None]:
-    """Give the first unit in the description of each parameter of a part."""
+    """Give the first unit in the description of each parameter of a part, or one for each name."""
     text = inspect.getdoc(part).split("Parameters\n----------\n")[1]
     text = re.split(r"\n\n\w+\n-+\n", text)[0]
-    found = {}
+    found: dict[str, str | None] = {}
     for names, body in re.findall(r"^(\S[^\n]*?) : [^\n]*\n((?:    [^\n]*\n?)+)", text, re.M):
-        unit = re.search(r"\[([^\[\]]*[a-zA-Z/][^\[\]]*)\]", re.sub(r"\[\[.*?\]\]", "", body))
-        for name in names.split(", "):
-            found[name] = unit and unit[1].replace("²", "^2").replace("³", "^3")
+        plain = re.sub(r"\[\[.*?\]\]", "", body).replace("²", "^2").replace("³", "^3")
+        units = re.findall(r"\[([^\[\]]*[a-zA-Z/][^\[\]]*)\]", plain)
+        each, known = names.split(", "), [unit for own in units for unit in own.split(", ")]
+        if len(each) == 1 or len(known) != len(each):
+            known = [units[0] if units else None] * len(each)
+        found |= zip(each, known, strict=True)
     return found
 
 

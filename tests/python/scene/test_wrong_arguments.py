@@ -758,6 +758,7 @@ for name in ("FrequencyResponse", "Synchronous", "Static"):
 METHODS["Response"][1].update({"section_forces": {"at": "g1"}, "stresses": {}})
 METHODS["SteadyState"][1]["section_forces"] = {"at": "g1"}
 METHODS["RotorSystem"][1]["stresses"] = {"speed": 100.0}
+METHODS["RingSensor"] = (lambda: gb.RingSensor("ring"), {"measure": {"recording": None}})
 METHODS["StrainGauge"] = (lambda: gb.StrainGauge("g1"), {"measure": {"recording": None}})
 METHODS["MassProperties"] = (lambda: system().mass_properties(), {})
 METHODS["TrialInfluence"] = (
