@@ -5,7 +5,9 @@ mod speed_dependent;
 
 use super::modes::{require, uses_bands};
 use super::{AnalysisError, Dense, Interrupt};
-use crate::modal::{self, CachedModel, CriticalProblem, EquationForces, ModeAtSpeed, Residuals, SpectralRange, Whirl};
+use crate::modal::{
+    self, CachedModel, CriticalProblem, EquationForces, ModeAtSpeed, Residual, Residuals, SpectralRange, Whirl,
+};
 use crate::model::Model;
 use crate::scene::EntryPath;
 pub use map::{CriticalPoint, critical_speed_map};
@@ -103,13 +105,24 @@ fn named(
     let Some(first) = modes.first() else { return Ok(Vec::new()) };
     let mut residuals = Residuals::new(model, range, first.speed, EquationForces::Undamped);
     let mut critical = Vec::with_capacity(modes.len());
-    for ModeAtSpeed { speed, eigenvalue, shape } in modes {
+    for mode in modes {
         interrupt.check()?;
-        residuals.speed = *speed;
-        let residual = residuals.of(*eigenvalue, shape)?;
-        require(residual, || format!("the mode at the critical speed {speed} rad/s"))?;
-        let whirl = modal::whirl(model, *speed, *eigenvalue, shape);
-        critical.push(Critical { speed: *speed, whirl, residual: residual.value });
+        let (found, residual) = named_with(&mut residuals, model, mode)?;
+        require(residual, || format!("the mode at the critical speed {} rad/s", mode.speed))?;
+        critical.push(found);
     }
     Ok(critical)
+}
+
+/// A critical speed with whirl and residual of its mode.
+fn named_with(
+    residuals: &mut Residuals<'_>,
+    model: &Model,
+    mode: &ModeAtSpeed,
+) -> Result<(Critical, Residual), AnalysisError> {
+    let ModeAtSpeed { speed, eigenvalue, shape } = mode;
+    residuals.speed = *speed;
+    let residual = residuals.of(*eigenvalue, shape)?;
+    let whirl = modal::whirl(model, *speed, *eigenvalue, shape);
+    Ok((Critical { speed: *speed, whirl, residual: residual.value }, residual))
 }

@@ -74,6 +74,13 @@ pub fn add_combination<T: Number>(columns: &[T], size: usize, weights: &[T], x: 
     );
 }
 
+/// The first `count` entries of Σ weights[k] V_k.
+pub fn combination<T: Number>(columns: &[T], size: usize, weights: &[T], count: usize) -> Vec<T> {
+    let mut sum = vec![T::zero(); count];
+    add_combination(columns, size, weights, &mut sum);
+    sum
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

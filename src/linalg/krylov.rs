@@ -9,7 +9,7 @@
 use nalgebra::{Complex, ComplexField as _, DMatrix, DVector};
 
 use super::band::Number;
-use super::columns::{add_combination, products};
+use super::columns::{add_combination, combination, products};
 use super::dense::{DecompositionError, Eigen, eigen};
 use crate::numerics::ROUND_OFF;
 
@@ -19,6 +19,8 @@ pub trait Operator {
     type Scalar: Number;
     /// Whether T is symmetric, or Hermitian, in the inner product; an operator on complex vectors is Hermitian.
     const SYMMETRIC: bool;
+    /// Whether [`Self::apply_both`] costs little more than [`Self::apply`].
+    const IN_PAIRS: bool = false;
 
     /// Number of entries of a vector.
     fn size(&self) -> usize;
@@ -28,6 +30,14 @@ pub trait Operator {
     /// # Errors
     /// [`DecompositionError`] if a linear system has no accurate solution.
     fn apply(&self, x: &[Self::Scalar]) -> Result<Vec<Self::Scalar>, DecompositionError>;
+
+    /// T x and T y.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    fn apply_both(&self, x: &[Self::Scalar], y: &[Self::Scalar]) -> Result<[Vec<Self::Scalar>; 2], DecompositionError> {
+        Ok([self.apply(x)?, self.apply(y)?])
+    }
 
     /// W x, where xᴴWy is the inner product of x and y.
     fn weigh(&self, x: &[Self::Scalar]) -> Vec<Self::Scalar>;
@@ -54,6 +64,8 @@ pub struct Krylov<'a, T: Operator> {
     locked: usize,
     /// Components of T v in the basis, for every basis vector v to which the operator was applied.
     images: Vec<Vec<T::Scalar>>,
+    /// T v of the basis vector v after these, if it was computed with that of the last one.
+    ahead: Option<Vec<T::Scalar>>,
     /// State of the random numbers.
     seed: u64,
     /// Whether the operator leads to no vector outside of the space, except for round-off.
@@ -64,8 +76,15 @@ impl<'a, T: Operator> Krylov<'a, T> {
     /// A space of the vectors of `locked`, which span a space that the operator maps into itself. Its eigenpairs are left
     /// out.
     pub fn new(operator: &'a T, locked: impl IntoIterator<Item = Vec<T::Scalar>>) -> Self {
-        let mut space =
-            Self { operator, basis: Vec::new(), locked: 0, images: Vec::new(), seed: 1, is_exhausted: false };
+        let mut space = Self {
+            operator,
+            basis: Vec::new(),
+            locked: 0,
+            images: Vec::new(),
+            ahead: None,
+            seed: 1,
+            is_exhausted: false,
+        };
         for vector in locked {
             space.push(vector);
         }
@@ -100,19 +119,21 @@ impl<'a, T: Operator> Krylov<'a, T> {
         let norm = |vector: &[T::Scalar], weighted: &[T::Scalar]| {
             vector.iter().zip(weighted).map(|(x, w)| (x.conjugate() * *w).real()).sum::<f64>().max(0.0).sqrt()
         };
-        let weighted = self.operator.weigh(&vector);
-        let before = norm(&vector, &weighted);
         let mut components = vec![T::Scalar::from_real(0.0); count];
-        let mut weighted = weighted;
-        // Orthogonalization is done twice, because the first time leaves round-off of the removed components.
-        for _ in 0..2 {
+        // Norms before each orthogonalization, which is done twice: the first time leaves round-off of the removed components.
+        let mut norms = [0.0; 2];
+        let mut removed = 0.0;
+        for size_before in &mut norms {
+            let weighted = self.operator.weigh(&vector);
+            *size_before = norm(&vector, &weighted);
             let part = products(&self.basis, &weighted);
-            let removed: Vec<T::Scalar> = part.iter().map(|value| -*value).collect();
-            add_combination(&self.basis, size, &removed, &mut vector);
+            removed = part.iter().map(|value| value.modulus_squared()).sum::<f64>();
+            let opposite: Vec<T::Scalar> = part.iter().map(|value| -*value).collect();
+            add_combination(&self.basis, size, &opposite, &mut vector);
             components.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-            weighted = self.operator.weigh(&vector);
         }
-        let after = norm(&vector, &weighted);
+        let [before, rest] = norms;
+        let after = (rest * rest - removed).max(0.0).sqrt();
         if after > ROUND_OFF * before && after.is_finite() {
             self.basis.extend(vector.iter().map(|value| value.unscale(after)));
             components.push(T::Scalar::from_real(after));
@@ -164,10 +185,32 @@ impl<'a, T: Operator> Krylov<'a, T> {
             self.is_exhausted = true;
             return Ok(());
         }
-        let image = self.operator.apply(&self.basis[next * size..(next + 1) * size])?;
+        let (vector, following) = self.basis[next * size..].split_at(size);
+        let image = match self.ahead.take() {
+            Some(image) => image,
+            None if T::IN_PAIRS && following.len() >= size => {
+                let [image, ahead] = self.operator.apply_both(vector, &following[..size])?;
+                self.ahead = Some(ahead);
+                image
+            }
+            None => self.operator.apply(vector)?,
+        };
         let components = self.push(image);
         self.images.push(components);
         Ok(())
+    }
+
+    /// The operator projected on the basis vectors to which it was applied, m × m; Hermitian for a symmetric operator, but for
+    /// round-off.
+    pub fn projected(&self) -> DMatrix<T::Scalar> {
+        let m = self.images.len();
+        let projected = DMatrix::from_fn(m, m, |row, column| self.entry(row, column));
+        if T::SYMMETRIC { (&projected + projected.adjoint()).map(|value| value.unscale(2.0)) } else { projected }
+    }
+
+    /// Component of T v in a basis vector, for the vector v of a column.
+    fn entry(&self, row: usize, column: usize) -> T::Scalar {
+        self.images[column].get(self.locked + row).copied().unwrap_or(T::Scalar::from_real(0.0))
     }
 
     /// All approximations of eigenpairs.
@@ -177,18 +220,15 @@ impl<'a, T: Operator> Krylov<'a, T> {
     pub fn ritz_pairs(&self) -> Result<Vec<RitzPair>, DecompositionError> {
         let m = self.images.len();
         let rest = self.count() - self.locked - m;
-        let entry = |row: usize, column: usize| {
-            self.images[column].get(self.locked + row).copied().unwrap_or(T::Scalar::from_real(0.0))
-        };
-        let projected = DMatrix::from_fn(m, m, entry);
+        let projected = self.projected();
         let eigen = if T::SYMMETRIC {
             // Vectors of equal eigenvalues are then orthogonal.
-            let found = ((&projected + projected.adjoint()).map(|value| value.unscale(2.0))).symmetric_eigen();
+            let found = projected.symmetric_eigen();
             Eigen { values: found.eigenvalues.map(Complex::from), vectors: found.eigenvectors.map(complex) }
         } else {
             eigen(&projected.map(|value| value.real()))?
         };
-        let tail = DMatrix::from_fn(rest, m, |row, column| complex(entry(m + row, column)));
+        let tail = DMatrix::from_fn(rest, m, |row, column| complex(self.entry(m + row, column)));
         let pair = |(value, vector): (&Complex<f64>, DVector<Complex<f64>>)| RitzPair {
             value: *value,
             residual: (&tail * &vector).norm() / value.norm(),
@@ -205,17 +245,19 @@ impl<'a, T: Operator> Krylov<'a, T> {
 
     /// The first `count` entries of the vector of an approximation.
     pub fn first_entries(&self, pair: &RitzPair, count: usize) -> DVector<Complex<f64>> {
-        let size = self.operator.size();
         let sum = |part: fn(&Complex<f64>) -> f64| {
             let weights: Vec<T::Scalar> =
                 pair.components.iter().map(|value| T::Scalar::from_real(part(value))).collect();
-            let mut sum = vec![T::Scalar::from_real(0.0); count];
-            add_combination(&self.basis[self.locked * size..], size, &weights, &mut sum);
-            sum
+            self.combination(&weights, count)
         };
         let parts = sum(|value| value.re).into_iter().zip(sum(|value| value.im));
         let entries = parts.map(|(real, imaginary)| complex(real) + Complex::<f64>::i() * complex(imaginary));
         DVector::from_iterator(count, entries)
+    }
+
+    /// The first `count` entries of a combination of the first basis vectors.
+    pub fn combination(&self, weights: &[T::Scalar], count: usize) -> Vec<T::Scalar> {
+        combination(self.basis(), self.operator.size(), weights, count)
     }
 }
 

@@ -29,6 +29,7 @@ pub use band::{Band, Singular};
 pub use band_order::BandOrder;
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use chain::{ChainFactor, ChainMatrix};
+pub use columns::{combination, products};
 pub use conjugate_residuals::{LeastResidual, conjugate_residuals};
 pub use coupled_bands::{BandChain, CoupledBands, CoupledFactors, MAX_BACKWARD_ERROR, Side};
 pub use dense::{

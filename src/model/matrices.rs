@@ -282,7 +282,15 @@ impl Model {
 
     /// `out += G x` with G per unit speed of the reference shaft.
     pub fn multiply_gyroscopic(&self, x: &[f64], out: &mut [f64]) {
-        self.visit_gyroscopic(&mut |row, column, value| out[row] += value * x[column]);
+        for shaft in &self.shafts {
+            if let Some(chain) = &shaft.bending {
+                // −iu of u = v + iw is w − iv.
+                let own = &x[chain.start..chain.start + 2 * shaft.gyroscopic.len()];
+                let turned: Vec<f64> = own.as_chunks::<2>().0.iter().flat_map(|[v, w]| [*w, -v]).collect();
+                shaft.gyroscopic.multiply_add::<2>(shaft.ratio, &turned, &mut out[chain.start..]);
+            }
+            shaft.visit_coriolis(&mut |row, column, value| out[row] += value * x[column]);
+        }
     }
 
     /// Product of a real matrix with a complex vector; `multiply(x, out)` adds the product with a real vector.

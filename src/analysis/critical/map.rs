@@ -10,17 +10,20 @@
 
 use std::cell::OnceCell;
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::super::assignment::{Assignment, equal};
-use super::{Critical, modes, named, sense_of};
-use crate::analysis::modes::FURTHER_MODES;
+use super::{Critical, modes, named, named_with, sense_of};
+use crate::analysis::modes::{FURTHER_MODES, uses_bands};
 use crate::analysis::{AnalysisError, Interrupt, Threads};
-use crate::linalg::hermitian_eigen;
-use crate::modal::{CachedModel, ModeAtSpeed};
+use crate::linalg::{combination, hermitian_eigen, products};
+use crate::modal::{
+    CachedModel, CriticalInverse, CriticalSpace, EquationForces, ModeAtSpeed, ReducedMode, Residuals, SpectralRange,
+    reduced_modes,
+};
 use crate::model::Model;
-use crate::numerics::ROUND_OFF;
+use crate::numerics::{ROOT_OF_ROUND_OFF, ROUND_OFF};
 
 /// Largest number of times that a step of the stiffness is halved.
 const MAX_HALVINGS: u32 = 6;
@@ -76,14 +79,7 @@ pub fn critical_speed_map(
     let models = threads.map(stiffnesses, model)?;
     let Some(first) = models.first() else { return Ok(Vec::new()) };
     let range = first.spectral_range(sense)?.clone();
-    // The modes at each stiffness, and the critical speeds of the map.
-    let found = threads.map(&models, |cached| {
-        interrupt.check()?;
-        let found = modes(cached, order, count.saturating_add(FURTHER_MODES))?;
-        let critical = named(&cached.model, &range, &found[..count.min(found.len())], interrupt)?;
-        let found: Vec<_> = found.into_iter().map(|met| Found::new(&cached.model, order, met)).collect();
-        Ok((critical, found))
-    })?;
+    let found = Search { stiffnesses, models: &models, range: &range, order, count, interrupt }.run(threads)?;
     let mut lines = Lines { count, alive: Vec::new(), started: 0 };
     let mut map = Vec::new();
     let mut previous: Option<(f64, &CachedModel, &[Found])> = None;
@@ -104,6 +100,110 @@ pub fn critical_speed_map(
     Ok(map)
 }
 
+/// Modes at a stiffness, and its critical speeds on the map.
+type FoundAt = (Vec<Critical>, Vec<Found>);
+
+/// The search for the modes at all stiffnesses.
+struct Search<'a> {
+    stiffnesses: &'a [f64],
+    models: &'a [CachedModel],
+    range: &'a SpectralRange,
+    order: f64,
+    /// Number of critical speeds at each stiffness.
+    count: usize,
+    interrupt: &'a Interrupt,
+}
+
+impl Search<'_> {
+    /// The modes at each stiffness: in one space where that is possible, otherwise by searches of their own.
+    fn run(&self, threads: &Threads) -> Result<Vec<FoundAt>, AnalysisError> {
+        let mut known = self.in_one_space()?;
+        let lacking: Vec<usize> = (0..known.len()).filter(|index| known[*index].is_none()).collect();
+        let searched = threads.map(&lacking, |index| {
+            self.interrupt.check()?;
+            let cached = &self.models[*index];
+            let modes = modes(cached, self.order, self.wanted())?;
+            let critical = named(&cached.model, self.range, &modes[..self.count.min(modes.len())], self.interrupt)?;
+            Ok::<_, AnalysisError>(self.found(&cached.model, critical, modes))
+        })?;
+        for (index, found) in lacking.into_iter().zip(searched) {
+            known[index] = Some(found);
+        }
+        Ok(known.into_iter().flatten().collect())
+    }
+
+    /// Number of modes at each stiffness.
+    fn wanted(&self) -> usize {
+        self.count.saturating_add(FURTHER_MODES)
+    }
+
+    fn found(&self, model: &Model, critical: Vec<Critical>, modes: Vec<ModeAtSpeed>) -> FoundAt {
+        (critical, modes.into_iter().map(|mode| Found::new(model, self.order, mode)).collect())
+    }
+
+    /// The modes at the stiffnesses above zero from one space: that of the lowest one, extended where a residual or the number
+    /// of modes at another stiffness asks for it; `None` where the space does not contain them.
+    fn in_one_space(&self) -> Result<Vec<Option<FoundAt>>, AnalysisError> {
+        let mut known: Vec<Option<FoundAt>> = self.models.iter().map(|_| None).collect();
+        let mut rising: Vec<usize> = (0..known.len()).filter(|index| self.stiffnesses[*index] > 0.0).collect();
+        rising.sort_by(|a, b| self.stiffnesses[*a].total_cmp(&self.stiffnesses[*b]));
+        let (Some((first, others)), Some(last)) = (rising.split_first(), rising.last()) else { return Ok(known) };
+        let model = |index: usize| &self.models[index].model;
+        if others.is_empty() || !uses_bands(model(*first), self.wanted()) {
+            return Ok(known);
+        }
+        let inverse = CriticalInverse::new(model(*first), self.order)?;
+        let Some((mut space, modes)) = CriticalSpace::new(&inverse, model(*last), self.wanted())? else {
+            return Ok(known);
+        };
+        let critical = named(model(*first), self.range, &modes[..self.count.min(modes.len())], self.interrupt)?;
+        known[*first] = Some(self.found(model(*first), critical, modes));
+        for index in others {
+            let other = CriticalInverse::new(model(*index), self.order)?;
+            loop {
+                self.interrupt.check()?;
+                if let Some(reduced) = space.modes(model(*index), self.wanted())? {
+                    let mode = |reduced: &ReducedMode| space.mode(&other, reduced);
+                    // The highest modes converge last.
+                    let lowest = reduced[..self.count].iter().rev().map(mode);
+                    if let Some((critical, mut found)) = self.accurate(model(*index), lowest)?
+                        && other.are_lowest(&reduced, self.count)
+                    {
+                        let further = reduced[self.count..].iter().map(mode);
+                        found.extend(further.map(|mode| Found::new(model(*index), self.order, mode)));
+                        known[*index] = Some((critical, found));
+                        break;
+                    }
+                }
+                if !space.extend()? {
+                    break;
+                }
+            }
+        }
+        Ok(known)
+    }
+
+    /// The critical speeds of modes given by descending speed, and these modes, in ascending order; `None` if a residual is too large.
+    /// The error of a speed is proportional to the square of the residual, and is then round-off.
+    fn accurate(
+        &self,
+        model: &Model,
+        descending: impl Iterator<Item = ModeAtSpeed>,
+    ) -> Result<Option<FoundAt>, AnalysisError> {
+        let mut residuals = Residuals::new(model, self.range, self.order, EquationForces::Undamped);
+        let mut known = Vec::with_capacity(self.count);
+        for mode in descending {
+            let (found, residual) = named_with(&mut residuals, model, &mode)?;
+            if residual.value.is_nan() || residual.value > ROOT_OF_ROUND_OFF {
+                return Ok(None);
+            }
+            known.push((found, Found::new(model, self.order, mode)));
+        }
+        known.sort_by(|(a, _), (b, _)| a.speed.abs().total_cmp(&b.speed.abs()));
+        Ok(Some(known.into_iter().unzip()))
+    }
+}
+
 /// A step of the stiffness.
 struct Step<'a> {
     /// Stiffness at the beginning and at the end, N/m.
@@ -118,6 +218,10 @@ struct Step<'a> {
 
 /// A basis V of the space of the modes at both ends of a step, with k ≤ m vectors V = XT of the m modes X.
 struct StepSpace {
+    /// X, n × m.
+    shapes: DMatrix<Complex64>,
+    /// BX, n × m.
+    momenta: DMatrix<Complex64>,
     /// T, m × k.
     combinations: DMatrix<Complex64>,
     /// VᴴKV at both ends, k × k.
@@ -131,15 +235,18 @@ impl Step<'_> {
         if let Some(known) = self.space.get() {
             return Ok(known);
         }
-        let products = |images: &[DVector<Complex64>]| {
-            DMatrix::from_fn(images.len(), images.len(), |row, column| self.known[row].shape.dotc(&images[column]))
+        let columns = |of: fn(&Found) -> &DVector<Complex64>| {
+            DMatrix::from_columns(&self.known.iter().map(|mode| of(mode).clone()).collect::<Vec<_>>())
+        };
+        let (shapes, momenta) = (columns(|mode| &mode.shape), columns(|mode| &mode.momentum));
+        let forms = |images: &mut dyn Iterator<Item = DVector<Complex64>>| {
+            let columns = images.flat_map(|image| products(shapes.as_slice(), image.as_slice()));
+            DMatrix::from_iterator(shapes.ncols(), shapes.ncols(), columns)
         };
         let stiffness = self.models.map(|model| {
-            let image =
-                |mode: &&Found| model.product(&mode.shape, |x, out| model.multiply_stiffness(self.sense, true, x, out));
-            products(&self.known.iter().map(image).collect::<Vec<_>>())
+            let multiply = |x: &[f64], out: &mut [f64]| model.multiply_stiffness(self.sense, true, x, out);
+            forms(&mut self.known.iter().map(|mode| model.product(&mode.shape, multiply)))
         });
-        let momenta: Vec<_> = self.known.iter().map(|mode| mode.momentum.clone()).collect();
         // V is orthonormal in the sum of both stiffness matrices.
         let sum = &stiffness[0] + &stiffness[1];
         let sizes = sum.diagonal().map(|value| value.re.max(f64::MIN_POSITIVE).sqrt());
@@ -154,45 +261,31 @@ impl Step<'_> {
         let projected = |matrix: &DMatrix<Complex64>| combinations.ad_mul(&(matrix * &combinations));
         let space = StepSpace {
             stiffness: stiffness.each_ref().map(projected),
-            inertia: projected(&products(&momenta)),
+            inertia: projected(&forms(&mut self.known.iter().map(|mode| mode.momentum.clone()))),
             combinations,
+            shapes,
+            momenta,
         };
         Ok(self.space.get_or_init(|| space))
     }
 
     /// Approximations of the `count` lowest modes at a stiffness between the ends, N/m, by ascending speed.
     fn modes(&self, stiffness: f64, count: usize) -> Result<Vec<Found>, AnalysisError> {
-        let StepSpace { combinations, stiffness: ends, inertia } = self.space()?;
+        let StepSpace { shapes, momenta, combinations, stiffness: ends, inertia } = self.space()?;
         let [from, to] = self.ends;
         // The matrix is linear in the stiffness of the bearings.
         let part = Complex64::from((stiffness - from) / (to - from));
         let matrix = &ends[0] * (1.0 - part) + &ends[1] * part;
-        let Some(factor) = Cholesky::new(matrix) else { return Ok(Vec::new()) };
-        let lower = factor.l();
-        let half = lower.solve_lower_triangular(inertia);
-        let Some(standard) = half.and_then(|half| lower.solve_lower_triangular(&half.adjoint())) else {
-            return Ok(Vec::new());
-        };
-        let (values, vectors) = hermitian_eigen(&standard)?;
-        // Descending 1/ω² is ascending ω.
-        let positive = (0..values.len()).rev().filter(|index| values[*index] > 0.0).take(count);
-        let mode = |index: usize| {
-            let coordinates =
-                lower.ad_solve_lower_triangular(&vectors.column(index))? / Complex64::from(values[index].sqrt());
-            let weights = combinations * coordinates;
-            let sum = |of: fn(&Found) -> &DVector<Complex64>| {
-                let mut sum = DVector::zeros(self.models[0].len());
-                self.known.iter().zip(&weights).for_each(|(mode, weight)| sum.axpy(*weight, of(mode), Complex64::ONE));
-                sum
+        let Some(modes) = reduced_modes(matrix, inertia, count)? else { return Ok(Vec::new()) };
+        let mode = |mode: ReducedMode| {
+            let weights = combinations * mode.coordinates;
+            let sum = |columns: &DMatrix<Complex64>| {
+                combination(columns.as_slice(), columns.nrows(), weights.as_slice(), columns.nrows()).into()
             };
-            let frequency = values[index].sqrt().recip();
-            Some(Found {
-                eigenvalue: Complex64::new(0.0, frequency),
-                shape: sum(|mode| &mode.shape),
-                momentum: sum(|mode| &mode.momentum),
-            })
+            let eigenvalue = Complex64::new(0.0, mode.frequency);
+            Found { eigenvalue, shape: sum(shapes), momentum: sum(momenta) }
         };
-        Ok(positive.map_while(mode).collect())
+        Ok(modes.into_iter().map(mode).collect())
     }
 }
 

@@ -13,13 +13,14 @@ use super::selection::{ModeSelection, ascending};
 use super::shift_invert::{Eigenpair, FirstOrderInverse, Problem};
 use crate::linalg::{DecompositionError, Krylov, MAX_BACKWARD_ERROR, Operator, RitzPair, matrix_of_columns};
 use crate::modal::undamped::{RealModes, ShiftInverse};
+use crate::numerics::ROOT_OF_ROUND_OFF;
 
-/// Relative residual of an accurate mode.
+/// Relative residual of an accurate mode. The error of an eigenvalue is proportional to it, to its square for a symmetric operator.
 const ACCURATE: f64 = 1e-12;
 /// Relative residual below which an approximation is used to count the eigenvalues.
 const RECOGNISED: f64 = 1e-7;
 /// Smallest relative distance of two magnitudes between which the radius of the count lies.
-const GAP: f64 = 1e-4;
+pub(super) const GAP: f64 = 1e-4;
 /// Largest ratio of two magnitudes between which the radius of the count lies, if the larger one is an estimate.
 const FURTHEST: f64 = 1.5;
 /// An eigenvalue below this fraction of the shift is the velocity of a rigid-body mode.
@@ -126,9 +127,8 @@ impl Search<'_> {
         eigenvalue: impl Fn(Complex64) -> Option<Complex64>,
     ) -> Result<Option<Spectrum<'s, T>>, DecompositionError> {
         let per_mode = if T::SYMMETRIC { 1 } else { 2 };
-        // Most models need as many steps; decompositions of the projected matrix are as costly as steps.
-        let mut target = 2 * per_mode * self.count + 24;
-        let most = 6 * target + 30;
+        let mut target = first_steps::<T>(self.count);
+        let most = most_steps::<T>(self.count);
         // Two bending planes have equal modes at rest.
         for _ in 0..if T::SYMMETRIC { 2 } else { 1 } {
             space.add_start()?;
@@ -140,11 +140,11 @@ impl Search<'_> {
             }
             let (found, next) = self.recognised(&space, &eigenvalue)?;
             let steps = space.steps();
-            let Some(radius) = self.radius(&found, next) else {
+            let Some(radius) = self.radius::<T>(&found, next) else {
                 if space.is_complete() || steps >= most {
                     return Ok(None);
                 }
-                target = steps + (steps / 8).max(8);
+                target = steps + further_steps(steps);
                 continue;
             };
             if (self.missing)(&found, radius) == Some(0) {
@@ -184,10 +184,10 @@ impl Search<'_> {
 
     /// Radius in a gap of the magnitudes, rad/s, so that the found modes below it are enough and accurate; `next` is an estimate
     /// of the magnitude that follows the found ones, rad/s.
-    fn radius(&self, found: &[Found], next: f64) -> Option<f64> {
+    fn radius<T: Operator>(&self, found: &[Found], next: f64) -> Option<f64> {
         let mut wanted = 0;
         for (index, mode) in found.iter().enumerate() {
-            if mode.pair.residual > ACCURATE {
+            if mode.pair.residual > if T::SYMMETRIC { ROOT_OF_ROUND_OFF } else { ACCURATE } {
                 return None;
             }
             wanted += usize::from(mode.is_wanted);
@@ -199,6 +199,21 @@ impl Search<'_> {
         }
         None
     }
+}
+
+/// Number of steps before the first decomposition in a search for `count` modes, which some models need.
+pub(super) fn first_steps<T: Operator>(count: usize) -> usize {
+    if T::SYMMETRIC { 2 * count + 8 } else { 4 * count + 12 }
+}
+
+/// Number of steps after which a search for `count` modes ends.
+pub(super) fn most_steps<T: Operator>(count: usize) -> usize {
+    10 * first_steps::<T>(count)
+}
+
+/// Number of steps by which a space of so many steps is extended.
+pub(super) fn further_steps(steps: usize) -> usize {
+    (steps / 8).max(8)
 }
 
 /// Modes of an undamped problem. All approximations of one frequency are rotated together.

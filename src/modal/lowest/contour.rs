@@ -24,10 +24,10 @@ const MAX_ERROR: f64 = 0.5;
 const SMALL_ERROR: f64 = 0.05;
 /// Ratio of the lengths of successive steps.
 const GROWTH: f64 = 8.0;
-/// First step in ln λ: the complex logarithm of a polynomial of degree 10⁵ changes by less than half a turn.
-const FIRST_STEP: f64 = 1e-5;
+/// First step in ln λ: the complex logarithm of a polynomial of degree 10⁴ changes by less than half a turn.
+const FIRST_STEP: f64 = 1e-4;
 /// Largest step in ln λ.
-const MAX_STEP: f64 = 0.35;
+const MAX_STEP: f64 = 0.7;
 /// Smallest step in ln λ: an eigenvalue lies on the contour.
 const MIN_STEP: f64 = 1e-9;
 /// Number of points of the polynomial that predicts the next value.

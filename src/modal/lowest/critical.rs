@@ -8,15 +8,24 @@
 //! The inertia of K − σB counts the critical speeds with 0 < ω² < σ where K is positive semidefinite: with K > 0, K − σB is
 //! congruent to I − σA, whose eigenvalues are 1 − σ/σ_j. [`super::contour`] counts otherwise: the zeros σ of det(K − σB).
 
-use nalgebra::{Complex, DMatrix, DVector};
+use std::cell::OnceCell;
+
+use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::arnoldi::{Found, Search};
+use super::arnoldi::{GAP, Search, Spectrum, first_steps, further_steps};
 use super::contour::{self, Known};
 use super::newton::ModeAtSpeed;
-use crate::linalg::{CoupledFactors, DecompositionError, Krylov, Operator, Side, solve_complex};
+use crate::connection::Row;
+use crate::linalg::{
+    CoupledFactors, DecompositionError, Krylov, MAX_BACKWARD_ERROR, Operator, Side, hermitian_eigen, solve_complex,
+};
 use crate::modal::undamped::{Pins, null_motions};
 use crate::model::{Model, Support, Weights};
+
+/// Largest ratio of the steps of a space for all stiffnesses to those for one of them. Most machines need less than twice as many; beyond
+/// it, searches of their own are as cheap.
+const MAX_GROWTH: usize = 3;
 
 /// The `count` speeds Ω nearest to zero at which an undamped mode has the frequency `order`·Ω > 0, by ascending |Ω|; `None` if the model has
 /// fewer, or they cannot be told apart.
@@ -29,27 +38,169 @@ pub fn lowest_critical(
     count: usize,
 ) -> Result<Option<Vec<ModeAtSpeed>>, DecompositionError> {
     let inverse = CriticalInverse::new(model, order)?;
-    let search = Search {
-        count,
-        is_wanted: &|value| value.im > 0.0,
-        missing: &|found, radius| inverse.missing(found, radius * radius),
+    Ok(inverse.search(Krylov::new(&inverse, []), count)?.map(|spectrum| inverse.lowest(&spectrum, count)))
+}
+
+/// A space of displacements for the critical speeds of models that differ in the stiffness of their bearings.
+///
+/// It is the Krylov space of K⁻¹B of one of the models, whose start vectors contain the displacements K⁻¹e by unit forces e of the
+/// bearings. The modes of another model satisfy x = −(K − ω²B)⁻¹ΔK x, and the space contains the moments of this response
+/// (Grimme 1997, Krylov projection methods for model reduction). Its basis V is orthonormal in K, so that VᴴKV + VᴴΔKV and
+/// VᴴBV cost a few operations at each further stiffness.
+pub struct CriticalSpace<'a, 'm> {
+    space: Krylov<'a, CriticalInverse<'m>>,
+    /// Largest number of steps.
+    most: usize,
+}
+
+impl<'a, 'm> CriticalSpace<'a, 'm> {
+    /// The space of a model for others whose stiffness differs at the bearings where that of `other` does, with the `count` lowest modes
+    /// of the model; `None` if it has fewer, they cannot be told apart, or the bearings alone would fill the space.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a linear system has no accurate solution, or an eigenvalue iteration fails.
+    pub fn new(
+        inverse: &'a CriticalInverse<'m>,
+        other: &Model,
+        count: usize,
+    ) -> Result<Option<(Self, Vec<ModeAtSpeed>)>, DecompositionError> {
+        let changes = StiffnessChange::all(inverse.model, other);
+        let loads: Vec<&Row> = changes.iter().flat_map(|change| &change.rows).collect();
+        if loads.len() > first_steps::<CriticalInverse<'m>>(count) {
+            return Ok(None);
+        }
+        let mut space = Krylov::new(inverse, []);
+        for load in loads {
+            let mut force = vec![Complex64::ZERO; other.len()];
+            load.iter().for_each(|(index, coefficient)| force[*index] += Complex64::from(*coefficient));
+            space.add_vector(inverse.displacement(&force)?);
+        }
+        let found = inverse.search(space, count)?;
+        Ok(found.map(|spectrum| {
+            let modes = inverse.lowest(&spectrum, count);
+            (Self { most: MAX_GROWTH * spectrum.space.steps(), space: spectrum.space }, modes)
+        }))
+    }
+
+    /// Extends the space, unless it is large already.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if a linear system has no accurate solution.
+    pub fn extend(&mut self) -> Result<bool, DecompositionError> {
+        let before = self.space.steps();
+        let target = (before + further_steps(before)).min(self.most);
+        while self.space.steps() < target && !self.space.is_complete() {
+            self.space.step()?;
+        }
+        Ok(self.space.steps() > before)
+    }
+
+    /// Approximations of the `count` lowest modes of another model, by ascending speed; `None` if the space has fewer.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if an eigenvalue iteration fails.
+    pub fn modes(&self, other: &Model, count: usize) -> Result<Option<Vec<ReducedMode>>, DecompositionError> {
+        let (size, steps) = (other.len(), self.space.steps());
+        let basis = self.space.basis();
+        let mut stiffness = DMatrix::identity(steps, steps);
+        for StiffnessChange { rows, stiffness: change } in StiffnessChange::all(self.space.operator().model, other) {
+            let deflections = |row: &Row| {
+                let of = |vector: usize| row.iter().map(|(index, part)| basis[vector * size + index] * *part).sum();
+                DVector::from_fn(steps, |vector, _| -> Complex64 { of(vector) }).conjugate()
+            };
+            let rows: Vec<_> = rows.iter().map(deflections).collect();
+            for (left, change) in rows.iter().zip(change) {
+                for (right, change) in rows.iter().zip(change) {
+                    stiffness.gerc(Complex64::from(change), left, right, Complex64::ONE);
+                }
+            }
+        }
+        Ok(reduced_modes(stiffness, &self.space.projected(), count)?.filter(|modes| modes.len() == count))
+    }
+
+    /// The mode of another model with these coordinates.
+    pub fn mode(&self, other: &CriticalInverse<'_>, reduced: &ReducedMode) -> ModeAtSpeed {
+        other.mode(self.space.combination(reduced.coordinates.as_slice(), other.model.len()).into())
+    }
+}
+
+/// Symmetric part of the stiffness of a bearing in one model less that in another one.
+struct StiffnessChange {
+    /// Scalars of the displacements over which the bearing acts.
+    rows: Vec<Row>,
+    /// Change over these scalars.
+    stiffness: [[f64; 2]; 2],
+}
+
+impl StiffnessChange {
+    /// The changes from one model to another one with the same elements, where there are any.
+    fn all(from: &Model, to: &Model) -> Vec<Self> {
+        let change = |from: &Support, to: &Support| {
+            let (from, to) = (from.symmetric_part, to.symmetric_part);
+            let stiffness =
+                std::array::from_fn(|row| std::array::from_fn(|column| to[row][column] - from[row][column]));
+            (from != to).then_some(stiffness)
+        };
+        let supports = from.supports.iter().zip(&to.supports).filter_map(|(from, to)| {
+            let rows = [from.index, from.index + 1].map(|index| vec![(index, 1.0)]).to_vec();
+            Some(Self { rows, stiffness: change(from, to)? })
+        });
+        let links = from.links.iter().zip(&to.links).filter_map(|(from, to)| {
+            Some(Self { rows: from.rows.clone(), stiffness: change(&from.local, &to.local)? })
+        });
+        supports.chain(links).collect()
+    }
+}
+
+/// A mode of K y = ω²B y.
+pub struct ReducedMode {
+    /// ω, rad/s.
+    pub frequency: f64,
+    /// y, with yᴴKy = ω².
+    pub coordinates: DVector<Complex64>,
+}
+
+/// The `count` lowest modes of K y = ω²B y by ascending frequency; `None` if K is not positive definite.
+///
+/// # Errors
+/// [`DecompositionError`] if the eigenvalue iteration fails.
+pub fn reduced_modes(
+    stiffness: DMatrix<Complex64>,
+    inertia: &DMatrix<Complex64>,
+    count: usize,
+) -> Result<Option<Vec<ReducedMode>>, DecompositionError> {
+    let Some(factor) = Cholesky::new(stiffness) else { return Ok(None) };
+    let lower = factor.l();
+    let half = lower.solve_lower_triangular(inertia);
+    let Some(standard) = half.and_then(|half| lower.solve_lower_triangular(&half.adjoint())) else {
+        return Ok(None);
     };
-    let found = search.run(Krylov::new(&inverse, []), |value| Some((-1.0 / value).sqrt()))?;
-    Ok(found.map(|spectrum| {
-        let modes = spectrum.wanted(count).map(|found| inverse.mode(spectrum.space.vector(&found.pair)));
-        let mut modes: Vec<_> = modes.collect();
-        modes.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
-        modes
-    }))
+    let (values, vectors) = hermitian_eigen(&standard)?;
+    // Descending 1/ω² is ascending ω.
+    let positive = (0..values.len()).rev().filter(|index| values[*index] > 0.0).take(count);
+    let mode = |index: usize| {
+        let root = values[index].sqrt();
+        let coordinates = lower.ad_solve_lower_triangular(&vectors.column(index))? / Complex64::from(root);
+        Some(ReducedMode { frequency: root.recip(), coordinates })
+    };
+    Ok(Some(positive.map_while(mode).collect()))
+}
+
+/// Modes by ascending |Ω|.
+fn sorted(mut modes: Vec<ModeAtSpeed>) -> Vec<ModeAtSpeed> {
+    modes.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
+    modes
 }
 
 /// K⁻¹B on the vectors with NᴴBx = 0.
-struct CriticalInverse<'m> {
+pub struct CriticalInverse<'m> {
     model: &'m Model,
     /// Order, whose sign is the sense of rotation and determines the flanks in contact.
     order: f64,
-    /// Factors of K with springs on the null motions.
-    factors: CoupledFactors,
+    /// Springs on the null motions.
+    pins: Pins,
+    /// Factors of K with these springs.
+    factors: OnceCell<CoupledFactors>,
     /// N, n × r.
     null: DMatrix<Complex64>,
     /// B N (NᴴBN)⁻¹, n × r.
@@ -59,15 +210,16 @@ struct CriticalInverse<'m> {
 }
 
 impl<'m> CriticalInverse<'m> {
-    fn new(model: &'m Model, order: f64) -> Result<Self, DecompositionError> {
+    /// The operator of a model whose undamped modes have the frequency `order`·Ω.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if the null motions cannot be found.
+    pub fn new(model: &'m Model, order: f64) -> Result<Self, DecompositionError> {
         let null = null_motions(model, order)?;
         let pins = Pins::new(model, &null);
-        let mut matrix = model.dynamic_stiffness(&weights(Complex64::ZERO, order), order);
-        pins.add_to(model, &mut matrix);
-        let factors = matrix.factor(1.0)?;
         let null = null.map(Complex::from);
         let weighted = DMatrix::zeros(model.len(), null.ncols());
-        let mut inverse = Self { model, order, factors, weighted, null, positive_null: 0 };
+        let mut inverse = Self { model, order, pins, factors: OnceCell::new(), weighted, null, positive_null: 0 };
         if inverse.null.ncols() > 0 {
             let images: Vec<_> =
                 inverse.null.column_iter().map(|column| inverse.inertia(&column.into_owned())).collect();
@@ -80,11 +232,51 @@ impl<'m> CriticalInverse<'m> {
         Ok(inverse)
     }
 
+    fn factors(&self) -> Result<&CoupledFactors, DecompositionError> {
+        if let Some(known) = self.factors.get() {
+            return Ok(known);
+        }
+        let mut matrix = self.model.dynamic_stiffness(&weights(Complex64::ZERO, self.order), self.order);
+        self.pins.add_to(self.model, &mut matrix);
+        let factors = matrix.factor(1.0)?;
+        Ok(self.factors.get_or_init(|| factors))
+    }
+
+    /// Extends `space` until it contains the `count` lowest modes; `None` if the model has fewer, or they cannot be told apart.
+    fn search<'a>(
+        &'a self,
+        space: Krylov<'a, Self>,
+        count: usize,
+    ) -> Result<Option<Spectrum<'a, Self>>, DecompositionError> {
+        let search = Search {
+            count,
+            is_wanted: &|value| value.im > 0.0,
+            missing: &|found, radius| {
+                let values: Vec<_> = found.iter().map(|found| found.value).collect();
+                self.missing(&values, radius * radius)
+            },
+        };
+        search.run(space, |value| Some((-1.0 / value).sqrt()))
+    }
+
+    /// The `count` lowest modes of a search, by ascending |Ω|.
+    fn lowest(&self, spectrum: &Spectrum<'_, Self>, count: usize) -> Vec<ModeAtSpeed> {
+        let modes = spectrum.wanted(count).map(|found| self.mode(spectrum.space.vector(&found.pair)));
+        sorted(modes.collect())
+    }
+
     /// B x.
     fn inertia(&self, x: &DVector<Complex64>) -> DVector<Complex64> {
         let mass = self.model.product(x, |x, out| self.model.multiply_mass(x, out));
         let gyroscopic = self.model.product(x, |x, out| self.model.multiply_gyroscopic(x, out));
         mass - gyroscopic * Complex64::new(0.0, 1.0 / self.order)
+    }
+
+    /// The displacement K⁻¹f by a force f, with NᴴBx = 0.
+    fn displacement(&self, force: &[Complex64]) -> Result<Vec<Complex64>, DecompositionError> {
+        let (mut image, _) = self.model.solve(self.factors()?, Side::Right, Some(MAX_BACKWARD_ERROR), force)?;
+        self.without_null(&mut image);
+        Ok(image.as_slice().to_vec())
     }
 
     /// x − N (NᴴBN)⁻¹ NᴴBx.
@@ -93,11 +285,19 @@ impl<'m> CriticalInverse<'m> {
         *x -= &self.null * parts;
     }
 
-    /// Number of eigenvalues σ = −λ² with |σ| < `limit`, rad²/s², that are missing in `found`; where K is positive semidefinite, of
-    /// those with σ > 0.
-    fn missing(&self, found: &[Found], limit: f64) -> Option<i64> {
-        let values: Vec<Complex64> =
-            found.iter().map(|found| Complex64::from(-(found.value * found.value).re)).collect();
+    /// Whether the `count` lowest of `modes`, by ascending frequency, are those of the model: none of them is missing.
+    pub fn are_lowest(&self, modes: &[ReducedMode], count: usize) -> bool {
+        let frequency = |index: usize| modes[index].frequency;
+        let gap = (count.max(1)..modes.len()).find(|index| frequency(*index) > (1.0 + GAP) * frequency(index - 1));
+        let Some(gap) = gap.filter(|_| is_semidefinite(self.model, self.order)) else { return false };
+        let values: Vec<_> = modes[..gap].iter().map(|mode| Complex64::new(0.0, mode.frequency)).collect();
+        self.missing(&values, f64::midpoint(frequency(gap - 1), frequency(gap)).powi(2)) == Some(0)
+    }
+
+    /// Number of eigenvalues σ = −λ² with |σ| < `limit`, rad²/s², that are missing in those of `found`, λ in rad/s; where K is positive
+    /// semidefinite, of those with σ > 0.
+    fn missing(&self, found: &[Complex64], limit: f64) -> Option<i64> {
+        let values: Vec<Complex64> = found.iter().map(|value| Complex64::from(-(value * value).re)).collect();
         if is_semidefinite(self.model, self.order) {
             let matrix = self.model.dynamic_stiffness(&weights(Complex64::from(limit), self.order), self.order);
             let below = values.iter().filter(|value| (0.0..limit).contains(&value.re)).count();
@@ -153,10 +353,7 @@ impl Operator for CriticalInverse<'_> {
     fn apply(&self, x: &[Complex64]) -> Result<Vec<Complex64>, DecompositionError> {
         let mut x = DVector::from_column_slice(x);
         self.without_null(&mut x);
-        let force = self.inertia(&x);
-        let (mut image, _) = self.model.solve(&self.factors, Side::Right, Some(0.0), force.as_slice())?;
-        self.without_null(&mut image);
-        Ok(image.as_slice().to_vec())
+        self.displacement(self.inertia(&x).as_slice())
     }
 
     fn weigh(&self, x: &[Complex64]) -> Vec<Complex64> {

@@ -17,7 +17,7 @@ mod selection;
 mod shift_invert;
 
 pub use arnoldi::lowest;
-pub use critical::lowest_critical;
+pub use critical::{CriticalInverse, CriticalSpace, ReducedMode, lowest_critical, reduced_modes};
 pub use modal_space::{Highest, MAX_DENSE, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
 pub use mode_space::ModeSpace;
 pub use newton::{FullEquations, ModeAtSpeed, Unknown, mode_near};

@@ -185,6 +185,7 @@ impl<'m> ShiftInverse<'m> {
 impl Operator for ShiftInverse<'_> {
     type Scalar = f64;
     const SYMMETRIC: bool = true;
+    const IN_PAIRS: bool = true;
 
     fn size(&self) -> usize {
         self.model.len()
@@ -192,6 +193,12 @@ impl Operator for ShiftInverse<'_> {
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
         self.solve(&mass_times(self.model, x))
+    }
+
+    fn apply_both(&self, x: &[f64], y: &[f64]) -> Result<[Vec<f64>; 2], DecompositionError> {
+        let momenta = [x, y].map(|x| DVector::from_vec(mass_times(self.model, x)));
+        let solved = self.solve_columns(&DMatrix::from_columns(&momenta))?;
+        Ok([0, 1].map(|column| solved.column(column).iter().copied().collect()))
     }
 
     fn weigh(&self, x: &[f64]) -> Vec<f64> {

@@ -16,6 +16,7 @@ from test_random_scenes import Drawn, drawn, examples, scenes as scenes_with_con
 
 pytestmark = pytest.mark.implausible
 
+MACHINES = Path(__file__).parents[3] / "examples/machines"
 ROTORS = sorted((Path(__file__).parents[3] / "examples/rotors").glob("*.toml"))
 
 
@@ -336,6 +337,23 @@ def test_the_critical_speeds_are_those_of_dense_matrices(scene: Drawn):
         assert len(found) == 7
         # very stiff bearings raise the highest frequency
         assert np.all(np.abs(found - wanted) <= round_off(100 * highest, wanted) * wanted)
+
+
+@pytest.mark.parametrize("order", [1.0, -1.0])
+@pytest.mark.parametrize("name", ["housed_pair", "idler_train", "overhung_rotor"])
+def test_one_space_gives_the_critical_speeds_of_each_stiffness(name: str, order: float):
+    # Stiffnesses above zero share the space of the lowest one, which has a search of its own. The
+    # stiffest bearings determine the elements.
+    loaded = gb.RotorSystem.load(MACHINES / f"{name}.toml")
+    stiffnesses = [1e9, 0.0, 1e7, 1e8]
+    found = loaded.critical_speed_map(stiffnesses, order=order, count=5)
+    for stiffness, speeds, residuals in zip(
+        stiffnesses, found.speeds, found.residuals, strict=True
+    ):
+        wanted, _ = loaded.critical_speed_map([stiffness, 1e9], order=order, count=5).speeds
+        assert len(speeds) == len(wanted)
+        np.testing.assert_allclose(speeds, wanted, rtol=1e-10)
+        assert np.all(residuals <= 1e-7)
 
 
 @scenes(2)
