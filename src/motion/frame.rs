@@ -1,4 +1,4 @@
-//! Motion in frames that turn with a carrier: its forces, and what it is seen from the ground.
+//! Motion in frames that turn with a carrier: its forces, and how it is seen from the ground.
 //!
 //! Seen from the ground, a displacement p in the frame has the velocity (ṗ + iΩ_c p) e^{iϑ_c} and the acceleration
 //! (p̈ + 2iΩ_c ṗ − Ω_c² p) e^{iϑ_c}. Energies are those of the motion relative to the frame: the forces of a frame are external
