@@ -13,7 +13,7 @@ use crate::numerics::{EQUALITY_TOLERANCE, bisect};
 /// Fractions of the step at which the contact mode is evaluated.
 const EVALUATED_FRACTIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// A contact change is located to this fraction of the step.
-pub const EVENT_RESOLUTION: f64 = 1e-12;
+const EVENT_RESOLUTION: f64 = 1e-13;
 /// Contact changes at one instant after which a step is accepted as it is: grazing contact could change its mode for ever.
 pub const MAX_CHANGES_AT_ONE_TIME: u32 = 8;
 

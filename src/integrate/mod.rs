@@ -18,7 +18,7 @@ pub mod tableau;
 
 pub use controller::{Adaptive, StepControl};
 pub use driver::{CHECK_INTERVAL, Halted, run};
-pub use event_locator::{EVENT_RESOLUTION, MAX_CHANGES_AT_ONE_TIME};
+pub use event_locator::MAX_CHANGES_AT_ONE_TIME;
 pub use halt::Halt;
 pub use interpolate::{Deferred, Span, StepEnd, Trajectory, at_each};
 pub use state::{ExponentialState, ForceVariation, MethodState, State, StepHistory};

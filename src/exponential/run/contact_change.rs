@@ -8,9 +8,11 @@
 use super::contact_monitor::{CandidateEvent, ContactMonitor};
 use crate::exponential::step::{DefectScratch, StepInstant, Stepper};
 use crate::exponential::within_step::{CompletedStep, SubstepSampler};
-use crate::integrate::{EVENT_RESOLUTION, Halt};
+use crate::integrate::Halt;
 use crate::numerics::{EQUALITY_TOLERANCE, bisect};
 
+/// The instant is located to this fraction of the step.
+const EVENT_RESOLUTION: f64 = 1e-12;
 /// Factor by which the bracket around a predicted instant widens after it has missed the change.
 const BRACKET_GROWTH: f64 = 64.0;
 /// Largest distance of a contact change from its predicted instant, as a fraction of the step: a correction of the polynomial
