@@ -368,8 +368,8 @@ impl<'m> Search<'m> {
         Ok(step)
     }
 
-    /// The point after the largest fraction of a step that reduces the distance from the equilibrium or the energy; none if no
-    /// fraction does.
+    /// The point after the largest fraction of a step that reduces the unbalanced forces, the distance from the equilibrium or the
+    /// energy; none if no fraction does.
     ///
     /// The distance is the next step with the same factors (natural monotonicity test; Deuflhard, Newton Methods for Nonlinear
     /// Problems, 2004, section 3.3.1). Where a large motion has small curvature along stiff coordinates, forces grow on steps
@@ -402,15 +402,16 @@ impl<'m> Search<'m> {
                         Ok(left <= step * (1.0 - fraction * SUFFICIENT_APPROACH))
                     };
                     let descends = has_energy && drive(&next) >= 0.0;
-                    if descends || approaches()? {
+                    let [before, mut after] = self.norms([point, &next]);
+                    if after < before || descends || approaches()? {
                         while descends && drive(&next) >= UNFINISHED_DRIVE {
                             fraction *= 2.0;
                             next = match self.at(&point.q + step * fraction, flanks, Laws::Exact) {
                                 Ok(further) if drive(&further) >= 0.0 => further,
                                 _ => break,
                             };
+                            [_, after] = self.norms([point, &next]);
                         }
-                        let [before, after] = self.norms([point, &next]);
                         return Ok(Some(Advance { next, ratio: after / before, overlap }));
                     }
                 }

@@ -210,14 +210,16 @@ fn synchronous(
     let ratios = cached.model.shafts.iter().map(ShaftModel::ratio_in_frame);
     let phasors: Vec<_> = ratios.map(|ratio| rotation.phasor_at_origin(ratio)).collect();
     let (mut q, mut v) = motion(cached, speed, &amplitudes, &phasors);
-    let equation = EquationOfMotion::along(cached, options.geometry, rotation, found.clone());
-    for weight in equation.sources().iter().filter(|load| load.is_weight) {
-        let phasor = weight.phasor(0.0, None);
-        let found = response_to(cached, speed, weight, Highest::Frequency(f64::INFINITY))?.phasors;
-        for (index, amplitude) in found.iter().enumerate() {
-            let value = amplitude * phasor;
-            q[index] += value.re;
-            v[index] -= weight.spin * value.im;
+    if cached.model.scene.has_turning_frame() {
+        let equation = EquationOfMotion::along(cached, options.geometry, rotation, found.clone());
+        for weight in equation.sources().iter().filter(|load| load.is_weight) {
+            let phasor = weight.phasor(0.0, None);
+            let found = response_to(cached, speed, weight, Highest::Frequency(f64::INFINITY))?.phasors;
+            for (index, amplitude) in found.iter().enumerate() {
+                let value = amplitude * phasor;
+                q[index] += value.re;
+                v[index] -= weight.spin * value.im;
+            }
         }
     }
     Ok([(equilibrium_at(cached, options, found, time)? + q).as_slice(), v.as_slice()].concat())

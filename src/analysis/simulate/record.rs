@@ -80,8 +80,9 @@ pub(super) struct Recorder<'a, 'm> {
     /// Indices of the coordinates that recording needs, and of those whose acceleration it needs.
     coordinates: Vec<usize>,
     accelerated: Vec<usize>,
-    /// Shaft of each point; none for a housing.
-    shafts: Vec<Option<usize>>,
+    /// Shaft of each point, and of each bearing that is not on a pin, if its lateral motion is in a frame that turns.
+    turning_points: Vec<Option<usize>>,
+    turning_bearings: Vec<Option<usize>>,
     /// Displacements of the shafts at the bearing nodes relative to what the bearings stand on.
     bearing_rows: Vec<Option<[Row; 2]>>,
     /// Number of values behind the coordinates of a vector: potentials of constant loads, where energies are recorded.
@@ -135,9 +136,13 @@ impl<'a, 'm> Recorder<'a, 'm> {
         };
         let has_accelerations = plan.acceleration || !plan.cuts.is_empty();
         let turnings = if plan.cuts.is_empty() { 0 } else { MAX_WAITING * model.scene.shafts.len() };
+        let turns = |shaft: &usize| model.scene.frame_of(*shaft).is_some();
+        let on_axis = |shaft: &usize| model.scene.carrier_of(*shaft).is_none();
         Self {
             coordinates: with_cuts(plan.coordinates(model)),
-            shafts: plan.points.iter().map(|point| model.scene.shaft(&point.part)).collect(),
+            turning_points: plan.points.iter().map(|point| model.scene.shaft(&point.part).filter(turns)).collect(),
+            // What acts on a pin stays in the frame of its carrier.
+            turning_bearings: plan.bearings.iter().map(|node| Some(node.shaft).filter(turns).filter(on_axis)).collect(),
             bearing_rows: plan.bearings.iter().map(|node| model.bearing_displacement(*node)).collect(),
             scratch: Scratch {
                 displacement: vec![0.0; INSTANT_BATCH * (model.len() + extra)],
@@ -264,26 +269,27 @@ impl<'a, 'm> Recorder<'a, 'm> {
                 series.push(value);
             }
         }
-        for (point, shaft) in self.plan.points.iter().zip(&self.shafts) {
+        for (point, shaft) in self.plan.points.iter().zip(&self.turning_points) {
             let frame = shaft.and_then(|shaft| self.motion.frame(shaft, elapsed));
             let PlaceRows { displacement, twist, .. } = &point.rows;
             let lateral = |of: &[f64]| displacement.as_ref().map_or([0.0; 2], |rows| along_rows(rows, of));
             let twist = |of: &[f64]| twist.as_ref().map_or(0.0, |row| along_row(row, of));
-            let (place, rate) = (lateral(q), lateral(v));
+            let place = lateral(q);
             self.record.displacement.extend(frame.map_or(place, |frame| frame.turned(place)));
             self.record.twist.push(twist(q));
             if self.plan.velocity {
+                let rate = lateral(v);
                 self.record.velocity.extend(frame.map_or(rate, |frame| frame.velocity(place, rate)));
                 self.record.twist_rate.push(twist(v));
             }
             if self.plan.acceleration {
                 let own = lateral(&self.scratch.acceleration[own.clone()]);
-                self.record.acceleration.extend(frame.map_or(own, |frame| frame.acceleration(place, rate, own)));
+                let seen = frame.map_or(own, |frame| frame.acceleration(place, lateral(v), own));
+                self.record.acceleration.extend(seen);
             }
         }
-        for (node, rows) in self.plan.bearings.iter().zip(&self.bearing_rows) {
-            // What acts on a pin stays in the frame of its carrier.
-            let frame = self.motion.frame(node.shaft, elapsed).filter(|_| model.scene.carrier_of(node.shaft).is_none());
+        for ((node, rows), shaft) in self.plan.bearings.iter().zip(&self.bearing_rows).zip(&self.turning_bearings) {
+            let frame = shaft.and_then(|shaft| self.motion.frame(shaft, elapsed));
             let force = self.motion.bearing_force(*node, elapsed, q, v);
             let across = [force[0], force[1]];
             self.record.bearing_force.extend(frame.map_or(across, |frame| frame.turned(across)));

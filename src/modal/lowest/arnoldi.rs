@@ -203,7 +203,7 @@ impl Search<'_> {
 
 /// Number of steps before the first decomposition in a search for `count` modes, which some models need.
 pub(super) fn first_steps<T: Operator>(count: usize) -> usize {
-    if T::SYMMETRIC { 2 * count + 8 } else { 4 * count + 12 }
+    if T::SYMMETRIC { 2 * count + 8 } else { 4 * count + 24 }
 }
 
 /// Number of steps after which a search for `count` modes ends.
