@@ -296,16 +296,24 @@ impl Model {
         let mut sum = [0.0; 3];
         let index = self.numbering.translation(node);
         for support in self.supports.iter().filter(|support| Some(support.index) == index) {
-            let ([y, z], [y_frame, z_frame]) =
-                (support.force(q, v), self.frame_force(support, [q[support.index], q[support.index + 1]]));
-            sum = [sum[0] + y + y_frame, sum[1] + z + z_frame, sum[2]];
+            let [y, z] = support.force(q, v);
+            sum = [sum[0] + y, sum[1] + z, sum[2]];
+            if support.frame != 0.0 {
+                let [y, z] = self.frame_force(support, [q[support.index], q[support.index + 1]]);
+                sum = [sum[0] + y, sum[1] + z, sum[2]];
+            }
         }
         let axes = [index, index.map(|v| v + 1), self.numbering.displacement_along(node)];
         for link in self.links.iter().filter(|link| link.bearing == Some(node)) {
-            let (link_force, in_frame) = (link.force(q, v), self.frame_force(&link.local, link.scalars(q)));
-            let fixed = link.rest.map(|rest| rest.fixed).unwrap_or_default();
-            let at_rest = link.local.elastic_force(&[fixed.re, fixed.im]);
-            let forces = [0, 1].map(|axis| link_force[axis] + in_frame[axis] - at_rest[axis]);
+            let mut forces = link.force(q, v);
+            if link.local.frame != 0.0 {
+                let in_frame = self.frame_force(&link.local, link.scalars(q));
+                forces = [forces[0] + in_frame[0], forces[1] + in_frame[1]];
+            }
+            if let Some(Rest { fixed, .. }) = link.rest {
+                let at_rest = link.local.elastic_force(&[fixed.re, fixed.im]);
+                forces = [forces[0] - at_rest[0], forces[1] - at_rest[1]];
+            }
             for (row, force) in link.rows.iter().zip(forces) {
                 for (sum, axis) in sum.iter_mut().zip(axes) {
                     *sum += coefficient(row, axis) * force;
