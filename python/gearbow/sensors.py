@@ -494,7 +494,7 @@ class RingSensor(SignalSensor):
     --------
     >>> import gearbow as gb
     >>> gb.RingSensor("ring", angle=0.5).label
-    'ring sensor ring, 28.6°'
+    'ring sensor ring, 28.65°'
     """
 
     ring: str

@@ -27,6 +27,8 @@ use crate::scene::SceneError;
 
 /// Largest displacement of a Newton step, relative to the largest displacement, below which the iteration has converged.
 const CONVERGENCE_TOLERANCE: f64 = 1e-13;
+/// The same limit for steps that have stopped to decrease, because of round-off in stiff scenes.
+const STALL_TOLERANCE: f64 = 1e-7;
 /// Ratio of the norms of the unbalanced forces after and before a step above which the tangent is computed anew.
 const TANGENT_REUSE_RATIO: f64 = 1e-2;
 /// Part of a step by which the distance from the equilibrium must decrease (Deuflhard, algorithm NLEQ-ERR).
@@ -311,6 +313,7 @@ impl<'m> Search<'m> {
     ) -> Result<(DVector<f64>, Vec<Flank>), EquilibriumError> {
         let (model, bodies) = (&*self.at_rest.model, &self.at_rest.bodies);
         let mut point = self.at(q, &flanks, Laws::Exact)?;
+        let mut previous = f64::INFINITY;
         let mut factors: Option<CoupledFactors> = None;
         let mut overlap = None;
         for _ in 0..MAX_ITERATIONS {
@@ -322,11 +325,12 @@ impl<'m> Search<'m> {
             let step = self.step(&known, &point.residual)?;
             let size = bodies.size(&step);
             let largest = bodies.size(&point.q).max(size);
-            if size <= CONVERGENCE_TOLERANCE * largest {
+            let is_stalled = size <= STALL_TOLERANCE * largest && size >= previous / 2.0;
+            if size <= CONVERGENCE_TOLERANCE * largest || is_stalled {
                 let q = point.q + step;
                 let pressed = pressed_flanks(&self.at_rest, &flanks, &q)?;
                 let is_final = pressed == flanks;
-                flanks = pressed;
+                (flanks, previous) = (pressed, f64::INFINITY);
                 point = self.at(q, &flanks, Laws::Exact)?;
                 if is_final {
                     check_constraints(&point.carried, load)?;
@@ -336,6 +340,7 @@ impl<'m> Search<'m> {
                 }
                 continue;
             }
+            previous = size;
             let advance = match self.advance(&known, &point, &flanks, &step) {
                 Err(EquilibriumError::Overlap { .. }) if is_old => None,
                 other => other?,
@@ -347,7 +352,7 @@ impl<'m> Search<'m> {
                     factors = (ratio <= TANGENT_REUSE_RATIO).then_some(known);
                     point = next;
                 }
-                None if is_old => {}
+                None if is_old => previous = f64::INFINITY,
                 None => break,
             }
         }
