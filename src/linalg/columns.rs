@@ -74,7 +74,7 @@ pub fn add_combination<T: Number>(columns: &[T], size: usize, weights: &[T], x: 
     );
 }
 
-/// The first `count` entries of Σ weights[k] V_k.
+/// The first `count` entries of the sum of the columns V_k with their weights.
 pub fn combination<T: Number>(columns: &[T], size: usize, weights: &[T], count: usize) -> Vec<T> {
     let mut sum = vec![T::zero(); count];
     add_combination(columns, size, weights, &mut sum);
