@@ -183,8 +183,8 @@ impl GearMesh {
         self.arc
     }
 
-    /// Relative motion of the gears for displacements or velocities of the whole model, both relative to the twist of the carrier; without the product τ·c of helical
-    /// teeth, which [`Self::pose`] adds.
+    /// Relative motion of the gears for displacements or velocities of the whole model, relative to the twist of the carrier. It
+    /// is without the product τ·c of helical teeth, which [`Self::pose`] adds.
     #[inline(always)]
     pub fn relative(&self, q: &[f64]) -> RelativeMotion {
         let [ra, rb] = self.involute.base_radius;

@@ -1,8 +1,8 @@
 //! Linear springs and dampers of constant coefficients over one or two scalars of the displacements.
 //!
 //! A bearing between a shaft and the ground acts on v and w of a node and is a [`Support`]. Every other linear element is a
-//! link: a misaligned bearing, one on a housing or between two shafts, the stiffness of a bearing along the axis and against tilting, the mount of a housing, a
-//! coupling, a drive. All are part of the matrices.
+//! link: a misaligned bearing, one on a housing or between two shafts, the stiffness of a bearing along the axis and against
+//! tilting, the mount of a housing, a coupling, a drive. All are part of the matrices.
 
 use std::ops::Range;
 

@@ -40,8 +40,8 @@ pub struct RotatingLoad {
 }
 
 impl RotatingLoad {
-    /// The rotating loads of all shafts at a constant speed: one for each shaft that has some, and the weight in each frame that turns. `spins` [rad/s] and
-    /// `at_origin` (phasors at elapsed time zero) have the order of [`Model::turning_ratio`].
+    /// The rotating loads at a constant speed: one for each shaft that has some, and the weight in each frame that turns.
+    /// `spins` [rad/s] and `at_origin` (phasors at elapsed time zero) have the order of [`Model::turning_ratio`].
     pub(super) fn at_constant_speed(model: &Model, spins: &[f64], at_origin: &[Complex64]) -> Vec<Self> {
         let amplitude = |excitation: &Excitation, spin: f64| excitation.amplitude(spin, 0.0);
         let shafts = 0..model.shafts.len();
