@@ -29,7 +29,7 @@ pub(super) fn bearings(
             continue;
         };
         match (bearing.stiffness.constant(), bearing.damping.constant()) {
-            // Another linear bearing is a link.
+            // Links contain the linear bearings that stand on a housing or on another shaft, or are misaligned.
             (Some(_), Some(_)) if !bearing.is_plain_support() => {}
             (Some(stiffness), Some(damping)) => {
                 let support = Support::new(index, stiffness, damping).with_loss_factor(bearing.loss_factor);

@@ -105,13 +105,14 @@ impl Support {
 }
 
 impl Model {
-    /// Force per displacement of a damper that does not turn with the frame of its scalars, at the speed that the model contains.
+    /// Stiffness that a damper at rest adds in a frame that turns, where a constant displacement has a velocity seen from the ground.
+    /// Matrix over the scalars of the element, N/m or N m/rad; zero unless the model contains the terms of a speed.
     pub fn frame_part(&self, element: &Support) -> Matrix2 {
         let speed = self.circulation.filter(|_| element.frame != 0.0);
         speed.map_or(Matrix2::default(), |speed| element.frame_part(speed))
     }
 
-    /// The same force at the scalars u, N or N m.
+    /// Force of this stiffness at the scalars u, N or N m.
     pub(super) fn frame_force(&self, element: &Support, u: [f64; 2]) -> [f64; 2] {
         self.frame_part(element).map(|row| row[0] * u[0] + row[1] * u[1])
     }

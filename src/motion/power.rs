@@ -189,11 +189,16 @@ impl EquationOfMotion<'_> {
         }
     }
 
-    /// Power of every source without constant loads, W: torques and forces; gravity in frames that turn; the drive, which turns bowed
-    /// shafts and eccentric hubs of couplings, moves rolling elements and changes the stiffness of bearings with the speed;
-    /// unbalance; the prescribed motion of the teeth (error, run-out, stiffness); damping, with the cross-coupling of bearings
-    /// and with the power `distributed` of the distributed damping. q and v need the coordinates of [`PowerCoordinates`]; q is
-    /// followed by its sums.
+    /// Power of each source, W; constant loads have a potential instead. The sources are:
+    /// - torques and forces that change over time;
+    /// - gravity in frames that turn;
+    /// - the drive, which turns bowed shafts and eccentric hubs of couplings, moves rolling elements and changes the stiffness of
+    ///   bearings with the speed;
+    /// - unbalance;
+    /// - the prescribed motion of the teeth: error, run-out and stiffness;
+    /// - damping, with the cross-coupling of bearings and with the power `distributed` of the distributed damping.
+    ///
+    /// q and v need the coordinates of [`PowerCoordinates`]; q is followed by its sums.
     ///
     /// # Errors
     /// [`Overlap`] of the base circles of the mesh named.

@@ -29,7 +29,8 @@ pub struct Bearing {
     pub tilting: [f64; 2],
     /// Loss factor η of the stiffness.
     pub loss_factor: f64,
-    /// Displacement of what it stands on from the place in the drawing, y + iz, m: without force, the shaft is there.
+    /// Distance of the centre of the bearing from its place in the drawing, y + iz, m: the displacement of the shaft at which the
+    /// force of the bearing is zero.
     pub misalignment: Complex64,
     /// Its place on a housing or on another shaft; `None` on the ground.
     pub attachment: Option<Attachment>,

@@ -188,9 +188,9 @@ class Bearing(Part):
         Loss factor η of the stiffness, K(1 + iη sgn ω): structural damping of modes,
         Campbell diagrams, `frequency_response` and `synchronous`. Runs refuse it.
     misalignment : complex
-        Displacement of what it stands on from its place in the drawing, y + iz [m]: without force,
-        the shaft is there. On a pin of a carrier that turns, y and z turn with the carrier. The
-        bearing needs constant coefficients.
+        Distance of the centre of the bearing from its place in the drawing, y + iz [m]. The force
+        of the bearing is zero where the shaft has this displacement. On a pin of a carrier that
+        turns, y and z turn with the carrier. The bearing needs constant coefficients.
     dynamic_rating, static_rating : float, optional
         Basic load ratings C and C₀ of a rolling bearing [N], which `bearing_life` then contains.
     contact : {"ball", "roller"}, optional

@@ -356,8 +356,9 @@ def planets_of(run: RunRecord, ring: str) -> list[PlanetMotion]:
         # The line of centres goes from the driver to the driven gear.
         opposite = np.pi if each["driven"] == ring else 0.0
         at_rest = each.get("centre_line_angle", 0.0) + opposite
-        force = mesh(run, (each["driver"], each["driven"])).force
-        found.append(PlanetMotion(at_rest + turned * np.ones_like(run.time), force))
+        recorded = _mesh_values(run, _mesh(run, (each["driver"], each["driven"])))
+        angles = np.broadcast_to(at_rest + turned, run.time.shape)
+        found.append(PlanetMotion(angles, recorded["force"]))
     return found
 
 

@@ -258,7 +258,7 @@ class ModalDamping:
     # With the eigenvalues λ of K over M, D is M f(M⁻¹K) for the rates f(λ) = 2ζ√λ. In the modes,
     # its change is that of a function of a matrix, G_ij dK_ij + (f_j - λ_j G_ij) dM_ij with the
     # divided differences G of f (Daleckii and Krein 1965; Higham, Functions of Matrices, 2008,
-    # section 3.2). No mode of another system is needed.
+    # section 3.2). The derivative needs the modes of the unchanged system only.
 
     #: Shapes Φ (m, n), and ω² (m,) [1/s²], of which the first `damped` have damping.
     shapes: Array
@@ -458,7 +458,7 @@ class Motions:
     sources: list[dict[str, Plain]]
     outputs: Any
     integrations: list[int]
-    #: Whether modal damping changes, also from zero.
+    #: Whether the modal damping differs from that of the unchanged system, which may be zero.
     is_damped: bool
 
     @cached_property

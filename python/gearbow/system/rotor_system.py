@@ -382,7 +382,8 @@ class RotorSystem(CheckedKeywords, Shown):
         Raises
         ------
         SceneError
-            If the file is not TOML, or that of an elastic housing is missing or another one.
+            If the file is not TOML, or if the file of an elastic housing is missing or was changed
+            after the scene was saved.
         """
         from gearbow.system.outputs import read_scene  # noqa: PLC0415  # with a TOML parser
 

@@ -156,8 +156,8 @@ impl OutputMap {
         self.combinations.as_deref_mut()
     }
 
-    /// Passes what is evaluated at several instants together to `receive`, if there are enough of them or `all` are wanted; see
-    /// [`Trajectory::deferred`](crate::integrate::Trajectory::deferred).
+    /// Evaluates the waiting instants in one batch and passes the results to `receive`. It waits for a full batch, unless `all`
+    /// instants are wanted; see [`Trajectory::deferred`](crate::integrate::Trajectory::deferred).
     pub(in crate::exponential) fn evaluate_deferred(
         &mut self,
         loads: &Loads<'_>,

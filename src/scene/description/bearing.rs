@@ -27,7 +27,7 @@ pub struct Bearing {
     pub tilting_damping: Option<f64>,
     /// Loss factor η of its stiffness, K(1 + iη sgn ω), which analyses in the frequency domain contain.
     pub loss_factor: Option<f64>,
-    /// Displacement of what it stands on from the place in the drawing, y + iz, m.
+    /// Distance of the centre of the bearing from its place in the drawing, y + iz, m.
     pub misalignment: Option<Complex>,
     /// Diameter of a journal, m.
     pub diameter: Option<f64>,
