@@ -53,6 +53,8 @@ __all__ = [
     "ring_coefficients",
     "rolling_coefficients",
     "rolling_estimate",
+    "shaft_motion",
+    "shaft_origins",
     "slowest_period",
     "squeeze_force",
     "steady_state",
@@ -86,6 +88,10 @@ def motion_forms(
     integrations: list[int],
 ) -> ComplexArray: ...
 def mesh_geometry(description: Mapping[str, Plain]) -> list[MeshGeometry]: ...
+def shaft_motion(
+    description: Mapping[str, Plain], shaft: str, positions: list[float]
+) -> dict[str, Array]: ...
+def shaft_origins(description: Mapping[str, Plain]) -> list[list[float]]: ...
 def require_memory(argument: str, what: str, needed: float, remedy: str) -> None: ...
 def ring_coefficients(
     bearing: dict[str, Plain], load: tuple[float, float, float], tilt: tuple[float, float]

@@ -91,31 +91,45 @@ pub fn rod_degrees(degree: usize) -> std::ops::RangeInclusive<usize> {
     2..=degree
 }
 
-/// Shape functions of an element at one place: factors of its coordinates in a displacement.
+/// Factors of the coordinates of bending of an element in a displacement or a rotation.
+#[derive(Clone, Debug)]
+pub struct BendingShape {
+    /// Factors of (u₁, φ₁, u₂, φ₂), the coordinates of the two nodes.
+    pub nodal: Vector4<f64>,
+    /// Factors of the internal coordinates.
+    pub internal: Vec<f64>,
+}
+
+/// Shape functions of an element at one place: factors of its coordinates in the motion there.
 #[derive(Clone, Debug)]
 pub struct PlaceShape {
-    /// Factors of the coordinates of the two nodes: (u₁, φ₁, u₂, φ₂) in bending.
-    pub nodal: Vector4<f64>,
+    /// The displacement u.
+    pub displacement: BendingShape,
+    /// The rotation φ.
+    pub rotation: BendingShape,
     /// Factors of the twists of the two nodes.
     pub torsion: [f64; 2],
     /// Factors of the axial displacements of the two nodes.
     pub axial: [f64; 2],
-    /// Factors of the internal coordinates of bending.
-    pub internal: Vec<f64>,
     /// Factors of the internal coordinates of a rod (twist or axial displacement), by degree from 2.
     pub rod: Vec<f64>,
 }
 
 impl PlaceShape {
-    /// The displacement at ξ = x/l of an element of this degree.
+    /// The motion at ξ = x/l of an element of this degree.
     pub fn new(element: &Element, shear: bool, degree: usize, xi: f64) -> Self {
         let (l, profile) = (element.length, Profile::new(element, shear));
-        let functions = BendingFunction::all(degree, shear);
+        let functions: Vec<Shape> =
+            BendingFunction::all(degree, shear).iter().map(|function| function.at(2.0 * xi - 1.0, l)).collect();
+        let internal = |value: fn(&Shape) -> f64| functions.iter().map(value).collect();
         Self {
-            nodal: profile.displacement(xi),
+            displacement: BendingShape {
+                nodal: profile.displacement(xi),
+                internal: internal(|shape| shape.displacement),
+            },
+            rotation: BendingShape { nodal: profile.rotation(xi), internal: internal(|shape| shape.rotation) },
             torsion: profile.rod(xi, |section| section.torsional).0,
             axial: profile.rod(xi, |section| section.axial).0,
-            internal: functions.iter().map(|function| function.at(2.0 * xi - 1.0, l).displacement).collect(),
             rod: rod_degrees(degree).map(|n| integrated(n, 2.0 * xi - 1.0)).collect(),
         }
     }

@@ -15,6 +15,7 @@ pub use beam::{Beam, RodMatrices, deflection};
 pub use cut::{ElementCut, ForceRows, RodCut};
 pub use elastic::{Bending, Elastic, Rod, Values};
 pub use internal::{
-    BendingFunction, InternalBeam, InternalBlocks, InternalRod, PlaceShape, geometric_stiffness, rod_degrees,
+    BendingFunction, BendingShape, InternalBeam, InternalBlocks, InternalRod, PlaceShape, geometric_stiffness,
+    rod_degrees,
 };
 pub use profile::{GAUSS_POINTS, Section, shear_coefficient};

@@ -6,14 +6,16 @@
 use super::housing::{axial_row, point_rows, roll_row};
 use super::{Model, Numbering};
 use crate::connection::Row;
-use crate::element::PlaceShape;
+use crate::element::{BendingShape, PlaceShape};
 use crate::scene::{EntryPath, HousingPoint, Node, Scene, SceneError, Shaft, description, nearest};
 
-/// Displacements of a place as entries (index of a coordinate, factor).
+/// Motion of a place as entries (index of a coordinate, factor).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceRows {
     /// Displacements v and w, m; `None` without lateral motion.
     pub displacement: Option<[Row; 2]>,
+    /// Rotations Γ and −B of a shaft, rad; `None` without lateral motion, and on a housing.
+    pub rotation: Option<[Row; 2]>,
     /// Twist θ, rad; `None` without torsion.
     pub twist: Option<Row>,
     /// Axial displacement u, m; `None` without axial motion.
@@ -25,6 +27,24 @@ impl PlaceRows {
     pub fn coordinates(&self) -> impl Iterator<Item = usize> + '_ {
         let rows = self.displacement.iter().flatten().chain(&self.twist).chain(&self.axial);
         rows.flatten().map(|(index, _)| *index)
+    }
+
+    /// The motion at a position of shaft `index`, m.
+    ///
+    /// # Errors
+    /// [`SceneError`] at `at` beyond the ends of the shaft.
+    pub(crate) fn on_shaft(
+        scene: &Scene,
+        numbering: &Numbering,
+        index: usize,
+        position: f64,
+        at: &EntryPath<'_>,
+    ) -> Result<Self, SceneError> {
+        let shaft = &scene.shafts[index];
+        match shaft.node_at(position) {
+            Some(node) => Ok(node_rows(numbering, Node { shaft: index, node })),
+            None => Ok(between_nodes(scene, numbering, index, element_at(shaft, position, at)?)),
+        }
     }
 }
 
@@ -53,24 +73,14 @@ impl Model {
                 if let Some((node, point)) = scene.housing_point(name) {
                     return Ok(self.housing_rows(node, point));
                 }
-                let index = scene.known_shaft(name, at)?;
-                let shaft = &scene.shafts[index];
-                match shaft.node_at(*position) {
-                    Some(node) => Ok(self.node_rows(Node { shaft: index, node })),
-                    None => Ok(between_nodes(scene, &self.numbering, index, element_at(shaft, *position, at)?)),
-                }
+                PlaceRows::on_shaft(scene, &self.numbering, scene.known_shaft(name, at)?, *position, at)
             }
         }
     }
 
-    /// The displacements of a node of a shaft.
+    /// The motion of a node of a shaft.
     pub fn node_rows(&self, node: Node) -> PlaceRows {
-        let translation = self.numbering.translation(node);
-        PlaceRows {
-            displacement: translation.map(|v| [vec![(v, 1.0)], vec![(v + 1, 1.0)]]),
-            twist: self.numbering.twist(node).map(|index| vec![(index, 1.0)]),
-            axial: self.numbering.displacement_along(node).map(|index| vec![(index, 1.0)]),
-        }
+        node_rows(&self.numbering, node)
     }
 
     /// The displacements of a point of a housing.
@@ -78,9 +88,22 @@ impl Model {
         let axial = axial_row(&self.scene, &self.numbering, node, point);
         PlaceRows {
             displacement: point_rows(&self.scene, &self.numbering, node, point),
+            rotation: None,
             twist: roll_row(&self.scene, &self.numbering, node, point),
             axial: (!axial.is_empty()).then_some(axial),
         }
+    }
+}
+
+/// The motion of a node of a shaft.
+fn node_rows(numbering: &Numbering, node: Node) -> PlaceRows {
+    let row = |index| vec![(index, 1.0)];
+    let first = numbering.translation(node);
+    PlaceRows {
+        displacement: first.map(|v| [row(v), row(v + 1)]),
+        rotation: first.map(|v| [row(v + 2), row(v + 3)]),
+        twist: numbering.twist(node).map(row),
+        axial: numbering.displacement_along(node).map(row),
     }
 }
 
@@ -105,12 +128,12 @@ pub(super) fn element_at(shaft: &Shaft, position: f64, at: &EntryPath<'_>) -> Re
     Ok(Within { element, xi: (position - shaft.nodes[element]) / (shaft.nodes[element + 1] - shaft.nodes[element]) })
 }
 
-/// The displacements within an element of shaft `index`.
+/// The motion within an element of shaft `index`.
 fn between_nodes(scene: &Scene, numbering: &Numbering, index: usize, Within { element, xi }: Within) -> PlaceRows {
     let shaft = &scene.shafts[index];
     let shape = PlaceShape::new(&shaft.elements[element], shaft.shear, shaft.degree, xi);
     let nodes = shaft.nodes.len();
-    let bending = |start: usize| {
+    let bending = |start: usize, shape: &BendingShape| {
         let lane = |lane: usize| {
             // (u, φ) of a node has the coordinates (v, w, Γ, −B).
             let nodal = shape.nodal.iter().enumerate();
@@ -128,7 +151,8 @@ fn between_nodes(scene: &Scene, numbering: &Numbering, index: usize, Within { el
         nodal.into_iter().chain(shape.rod.iter().enumerate().map(|(i, factor)| (first + i, *factor))).collect()
     };
     PlaceRows {
-        displacement: numbering.lateral(index).map(bending),
+        displacement: numbering.lateral(index).map(|start| bending(start, &shape.displacement)),
+        rotation: numbering.lateral(index).map(|start| bending(start, &shape.rotation)),
         twist: numbering.torsion(index).map(|start| rod(start, shape.torsion)),
         axial: numbering.axial(index).map(|start| rod(start, shape.axial)),
     }

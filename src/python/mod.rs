@@ -1,7 +1,7 @@
 //! The Python extension module `gearbow._core`. Only this folder uses pyo3.
 //!
 //! `handle` is the class `Model`, `model` its methods, which call `frequency`, `sensitivity`, `simulate`,
-//! `steady`, `sections`, `bearing` and `gears`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
+//! `steady`, `sections`, `bearing` and `geometry`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
 //! and for the end of the sweep to which it belongs. Options, speeds, final states and responses are serde structs
 //! (`options`, `speed`, `state`, `response`); `entries` reads them with errors that name the entry. `convert` makes plain
 //! descriptions and NumPy arrays, `errors` exceptions and warnings.
@@ -14,7 +14,7 @@ mod convert;
 mod entries;
 mod errors;
 mod frequency;
-mod gears;
+mod geometry;
 mod handle;
 mod model;
 mod options;
@@ -52,7 +52,7 @@ mod _core {
     #[pymodule_export]
     use super::frequency::whirl_classes;
     #[pymodule_export]
-    use super::gears::mesh_geometry;
+    use super::geometry::{mesh_geometry, shaft_motion, shaft_origins};
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]

@@ -146,18 +146,25 @@ fn named_bases(system: &SceneDescription) -> impl Iterator<Item = (&'static str,
     supports.chain(housings.map(|(index, given)| ("housings", index, given.name.as_str())))
 }
 
-/// Place of each bearing on its housing or on another shaft; `None` for a bearing on the ground. Supports that stand on a housing
-/// receive their place on it.
-pub(super) fn attachments(
+/// Where the parts of a train at rest are.
+pub(super) struct Places {
+    /// Left end (x, y, z) of each shaft, m.
+    pub origins: Vec<[f64; 3]>,
+    /// Place of each bearing on its housing or on another shaft; `None` for a bearing on the ground.
+    pub attachments: Vec<Option<Attachment>>,
+}
+
+/// Finds the places of shafts and bearings. Supports that stand on a housing receive their place on it.
+pub(super) fn places(
     system: &SceneDescription,
     names: &Names,
     shafts: &[Shaft],
     train: Train<'_>,
     housings: &mut [Housing],
-) -> Result<Vec<Option<Attachment>>, SceneError> {
+) -> Result<Places, SceneError> {
     let mut shared = shared_places(system, names, shafts)?;
     let pins: Vec<_> = shared.iter_mut().map(|nodes| pin(nodes, shafts, train)).collect();
-    let origins = origins(shafts, train, shared.iter().flatten());
+    let origins = origins(shafts, train, shared.iter().flatten().copied());
     check_shared(&shared, shafts, &origins)?;
     let mut seats = Vec::with_capacity(system.bearings.len());
     for (index, bearing) in system.bearings.iter().enumerate() {
@@ -194,7 +201,7 @@ pub(super) fn attachments(
         let at = entry.field("support");
         housings[index].attachment = place_of_support(given, carried(index), system, housings, &at)?;
     }
-    Ok(found)
+    Ok(Places { origins, attachments: found })
 }
 
 /// Place of a support that carries bearings at seats on the housing on which it stands; `None` for the ground.
@@ -355,18 +362,25 @@ fn check_shared(shared: &[Option<[Node; 2]>], shafts: &[Shaft], origins: &[[f64;
     Ok(())
 }
 
-/// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes, couplings and the bearings between two
-/// shafts, given as pairs of nodes, give the positions of the shafts relative to each other; a shaft without them begins at
-/// the origin too.
-fn origins<'a>(
+/// Left end (x, y, z) of each shaft, m. The first shaft begins at the origin; meshes, couplings, carriers that turn, and the
+/// bearings between two shafts, given as pairs of nodes, give the positions of the shafts relative to each other; a shaft
+/// without them begins at the origin too.
+fn origins(
     shafts: &[Shaft],
-    Train { gears, meshes, couplings }: Train<'a>,
-    shared: impl Iterator<Item = &'a [Node; 2]>,
+    Train { gears, meshes, couplings }: Train<'_>,
+    shared: impl Iterator<Item = [Node; 2]>,
 ) -> Vec<[f64; 3]> {
     let mut origins: Vec<Option<[f64; 3]>> = vec![None; shafts.len()];
     let place = |node: Node| shafts[node.shaft].nodes[node.node];
     let position = |gear: usize| place(gears[gear].body.node);
-    let coaxial: Vec<&[Node; 2]> = couplings.iter().map(|coupling| &coupling.hubs).chain(shared).collect();
+    // A carrier that turns is at the place of the ring around its planets.
+    let of_carrier = |mesh: &Mesh| {
+        let ring = [mesh.driver, mesh.driven].into_iter().find(|gear| gears[*gear].internal)?;
+        Some([gears[ring].body.node, mesh.carrier?])
+    };
+    let carriers = meshes.iter().filter_map(of_carrier);
+    let coaxial: Vec<[Node; 2]> =
+        couplings.iter().map(|coupling| coupling.hubs).chain(shared).chain(carriers).collect();
     while let Some(next) = origins.iter().position(Option::is_none) {
         origins[next] = Some([0.0; 3]);
         let mut found = true;
@@ -385,8 +399,8 @@ fn origins<'a>(
                     }
                 }
             }
-            for [a, b] in &coaxial {
-                for (known, wanted) in [(*a, *b), (*b, *a)] {
+            for &[a, b] in &coaxial {
+                for (known, wanted) in [(a, b), (b, a)] {
                     if let (Some([x, y, z]), None) = (origins[known.shaft], origins[wanted.shaft]) {
                         origins[wanted.shaft] = Some([x + place(known) - place(wanted), y, z]);
                         found = true;

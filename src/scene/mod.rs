@@ -128,6 +128,8 @@ pub struct Torque {
 pub struct Scene {
     /// Shafts with their nodes and elements, in the order of the description.
     pub shafts: Vec<Shaft>,
+    /// Left end (x, y, z) of each shaft at rest, m; the first shaft begins at the origin.
+    pub origins: Vec<[f64; 3]>,
     /// Gears, in the order of the description.
     pub gears: Vec<Gear>,
     /// Disks, in the order of the description.
@@ -191,7 +193,7 @@ impl Scene {
         let speed_ratios = train::speed_ratios(system, &names, train)?;
         let torques = train::torques(system, &names, &shafts, train)?;
         let mut housings = housing::housings(system)?;
-        let attachments = housing::attachments(system, &names, &shafts, train, &mut housings)?;
+        let housing::Places { origins, attachments } = housing::places(system, &names, &shafts, train, &mut housings)?;
         let mut scene = Self {
             disks: disks(system, &names, &shafts)?,
             bearings: bearing::bearings(system, &names, &shafts, &attachments)?,
@@ -205,6 +207,7 @@ impl Scene {
             bow_torque: system.bow_torque,
             gravity: gravity(system)?,
             shafts,
+            origins,
             gears,
             meshes,
             torques,

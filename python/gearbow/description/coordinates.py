@@ -1,96 +1,23 @@
 """Coordinates of a system: its degrees of freedom, and the positions of gears and disks."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from gearbow._convert import nearest, nodal
+from gearbow._core import shaft_motion
 from gearbow._shown import Shown
-from gearbow._types import Array, At, Dof
-from gearbow.description.layout import ShearLengths, Train, shear_lengths
+from gearbow._types import Array, At, Dof, Plain
+from gearbow.description.layout import Train
 from gearbow.description.places import Places, is_place, names_of_bases, place
 from gearbow.errors import GearbowError, SceneError
 
-#: Position of a node or ends of an element [m], direction, and a row of values.
-Entries: TypeAlias = dict[float | tuple[float, float], dict[str, Any]]
-#: The direction of a displacement, that of its slope, and the sign of the slope.
-PLANES = (("v", "G", 1.0), ("w", "B", -1.0))
-#: The directions of a rod: the twist and the axial displacement.
-RODS = ("twist", "u")
-
-
-def motion_within(
-    entries: Entries, ends: tuple[float, float], xi: Array, phi: float
-) -> Iterator[tuple[str, Any]]:
-    """Give the directions of an element, each with its values of shape (positions, columns)."""
-    first, last = (entries[x] for x in ends)
-    length = ends[1] - ends[0]
-    inside: dict[str, dict[int, Any]] = {}
-    for name, values in entries.get(ends, {}).items():
-        direction = name.rstrip("0123456789")
-        inside.setdefault(direction, {})[int(name[len(direction) :])] = values
-    for across, slope, sign in PLANES:
-        if across not in first:
-            continue
-        nodal = np.array([first[across], sign * first[slope], last[across], sign * last[slope]])
-        u: Any = _displacement(xi, length, phi) @ nodal
-        angle: Any = _rotation(xi, length, phi) @ nodal
-        for n, values in inside.get(across, {}).items():
-            # Without shear deformation the rotation is the slope of the displacement.
-            own = _integrated(n) if phi > 0.0 else _integrated(n - 1).integ(lbnd=-1.0)
-            u += _product(own, xi, values)
-            if phi == 0.0:
-                angle += _product(2.0 / length * own.deriv(), xi, values)
-        for n, values in inside.get(slope, {}).items():
-            angle += _product(_integrated(n), xi, sign * values)
-        yield across, u
-        yield slope, sign * angle
-    for direction in RODS:
-        if direction in first:
-            along = np.outer(1.0 - xi, first[direction]) + np.outer(xi, last[direction])
-            for n, values in inside.get(direction, {}).items():
-                along += _product(_integrated(n), xi, values)
-            yield direction, along
-
-
-def _product(function: "np.polynomial.Legendre", xi: Array, values: Any) -> Any:
-    """Give a polynomial at 2ξ − 1 times the values of the columns, shape (positions, columns)."""
-    product: Any = np.outer(function(2.0 * xi - 1.0), values)
-    return product
-
-
-@cache
-def _integrated(n: int) -> "np.polynomial.Legendre":
-    """Give the integrated Legendre polynomial ψ_n = (P_n − P_{n−2})/√(4n − 2)."""
-    basis = np.polynomial.Legendre.basis
-    polynomial: np.polynomial.Legendre = (basis(n) - basis(n - 2)) / np.sqrt(4.0 * n - 2.0)
-    return polynomial
-
-
-def _displacement(xi: Array, length: float, phi: float) -> Array:
-    """Give the shape functions of the displacement for (u₁, φ₁, u₂, φ₂), shape (positions, 4)."""
-    functions = [
-        1.0 - 3.0 * xi**2 + 2.0 * xi**3 + (1.0 - xi) * phi,
-        length * (xi - 2.0 * xi**2 + xi**3 + (xi - xi**2) * phi / 2.0),
-        3.0 * xi**2 - 2.0 * xi**3 + xi * phi,
-        length * (-(xi**2) + xi**3 - (xi - xi**2) * phi / 2.0),
-    ]
-    return np.column_stack(functions) / (1.0 + phi)
-
-
-def _rotation(xi: Array, length: float, phi: float) -> Array:
-    """Give the shape functions of the rotation for (u₁, φ₁, u₂, φ₂), shape (positions, 4)."""
-    functions = [
-        6.0 / length * (xi**2 - xi),
-        1.0 - 4.0 * xi + 3.0 * xi**2 + (1.0 - xi) * phi,
-        6.0 / length * (xi - xi**2),
-        -2.0 * xi + 3.0 * xi**2 + xi * phi,
-    ]
-    return np.column_stack(functions) / (1.0 + phi)
+#: Smallest number of intervals between the drawn positions of a shaft.
+_INTERVALS = 48
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +27,12 @@ class Coordinates(Shown):
     dofs: tuple[Dof, ...]
     bodies: Mapping[str, tuple[str, float]]
     points: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict)
-    shear_lengths: Mapping[str, ShearLengths] = field(default_factory=dict, repr=False)
+    #: Names of the shafts.
+    shafts: tuple[str, ...] = ()
     #: Housing and rows (6, modes) of each interface of an elastic housing.
     seats: Mapping[str, tuple[str, Array]] = field(default_factory=dict, repr=False)
+    #: The plain system with its elements, within which the core interpolates.
+    resolved: Mapping[str, Plain] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, system: Train) -> "Coordinates":
@@ -119,14 +49,18 @@ class Coordinates(Shown):
             for housing in housings
             for name, point in housing.points.items()
         }
-        lengths = {shaft.name: shear_lengths(shaft, system.sleeves) for shaft in system.shafts}
+        shafts = tuple(shaft.name for shaft in system.shafts)
         seats = {
             name: (housing.name, np.array(own["rows"], dtype=np.float64))
             for housing in housings
             if housing.elastic is not None
             for name, own in housing.elastic.interfaces.items()
         }
-        return cls(tuple(dofs), bodies, points, lengths, seats)
+        return cls(tuple(dofs), bodies, points, shafts, seats, system._model.resolved())
+
+    def along(self, shaft: str, positions: Sequence[float]) -> dict[str, Array]:
+        """Give the motion at positions [m] as factors (positions, n) by direction."""
+        return shaft_motion(self.resolved, shaft, list(positions))
 
     def motion(self, values: Any, quantity: str, at: At) -> Any:
         """Give the displacement or twist of a place of which a quantity is a time derivative."""
@@ -223,37 +157,21 @@ class Coordinates(Shown):
         """Find the axial displacement of a place."""
         return self._index(at, "u", "axial motion")
 
-    def _within(self, at: Any) -> "_Within | None":
-        """Find the element of a place between two nodes; None for another place."""
-        if not is_place(at) or at[0] not in self.shear_lengths or self._nodes.find(at) is not None:
+    def _within(self, at: Any) -> dict[str, Array] | None:
+        """Give the factors of a place between two nodes by direction; None for another place."""
+        if not is_place(at) or at[0] not in self.shafts or self._nodes.find(at) is not None:
             return None
         shaft, position = at
-        nodes = self._nodes.positions(shaft)
-        ends = next((ends for ends in pairwise(nodes) if ends[0] < position < ends[1]), None)
-        if ends is None:
-            raise SceneError(
-                f'at: shaft "{shaft}" reaches from {nodes[0]:g} to {nodes[-1]:g} m; give a '
-                f"position on it in metres, got {position:g} m"
-            )
-        own = [(n, x, kind) for n, (name, x, kind) in enumerate(self.dofs) if name == shaft]
-        sites = (*ends, ends)
-        local = [(n, x, kind) for n, x, kind in own if x in sites]
-        entries: Entries = {x: {} for x in sites}
-        for row, (_, x, kind) in zip(np.eye(len(local)), local, strict=True):
-            entries[x][kind] = row
-        length, middle = ends[1] - ends[0], sum(ends) / 2.0
-        lengths = self.shear_lengths[shaft]
-        shear = next((own for end, own in lengths if middle <= end), lengths[-1][1])
-        xi = np.array([(position - ends[0]) / length])
-        rows = motion_within(entries, ends, xi, (shear / length) ** 2)
-        return _Within([n for n, _, _ in local], {kind: row[0] for kind, row in rows})
+        return {direction: rows[0] for direction, rows in self.along(shaft, [position]).items()}
 
     @staticmethod
-    def _combined(values: Any, within: "_Within", at: At, kind: str, motion: str) -> Any:
+    def _combined(
+        values: Any, within: Mapping[str, Array], at: At, direction: str, motion: str
+    ) -> Any:
         """Give a direction of a place between two nodes."""
-        if kind not in within.factors:
+        if direction not in within:
             raise _missing(at, motion)
-        return values[..., within.indices] @ within.factors[kind]
+        return values @ within[direction]
 
     def bends(self, at: At) -> bool:
         """Tell whether a place moves laterally: some shafts only twist."""
@@ -318,17 +236,18 @@ class Coordinates(Shown):
         )
 
 
+def drawn_positions(nodes: Sequence[float]) -> list[float]:
+    """Give the positions at which the motion of a shaft is drawn: its nodes, and others between."""
+    found = list(nodes[:1])
+    for begin, end in pairwise(nodes):
+        count = 1 + int(np.ceil(_INTERVALS * (end - begin) / (nodes[-1] - nodes[0])))
+        found += [*np.linspace(begin, end, count)[1:-1].tolist(), end]
+    return found
+
+
 def time_derivatives(quantity: str) -> int:
     """Count the derivatives with respect to time from a displacement to a quantity."""
     return 2 if quantity.endswith("acceleration") else int(quantity.endswith("velocity"))
-
-
-@dataclass(frozen=True)
-class _Within:
-    """A place between two nodes: degrees of freedom, and their factors in each direction."""
-
-    indices: list[int]
-    factors: Mapping[str, Array]
 
 
 def _missing(at: At, motion: str) -> GearbowError:

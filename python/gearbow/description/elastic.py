@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gearbow._convert import array, matrix as nested_array, number, positive, shown, text
 from gearbow._extras import extra
 from gearbow._shown import Shown
-from gearbow._types import Array, Plain
+from gearbow._types import Array
 from gearbow.description.part import Part, freeze, tuples
 from gearbow.errors import SceneError
 
@@ -164,34 +164,6 @@ class ElasticBody(Part):
     translation: Rows | None = None
     # ∫ n nᵀ dA of the displacements n along the normal of the surface [m²/kg], shape (h, h).
     radiation: Rows | None = None
-
-    def _describe(self, path: str) -> dict[str, Plain]:  # noqa: ARG002  # the core has the path
-        given: dict[str, Plain] = {
-            "frequencies": list(self.frequencies),
-            "damping_ratios": list(self.damping_ratios),
-            "interfaces": {
-                name: {key: _lists(value) for key, value in own.items()}
-                for name, own in self.interfaces.items()
-            },
-        }
-        for name in OPTIONAL_ROWS:
-            rows = getattr(self, name)
-            if rows is not None:
-                given[name] = [list(row) for row in rows]
-        return given
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "ElasticBody":
-        interfaces = {
-            name: {key: tuples(value) for key, value in own.items()}
-            for name, own in description["interfaces"].items()
-        }
-        return super()._from_description({**description, "interfaces": interfaces})
-
-
-def _lists(value: Any) -> Plain:
-    """Convert nested tuples to lists."""
-    return [_lists(item) for item in value] if isinstance(value, tuple) else value
 
 
 @dataclass(frozen=True, eq=False)

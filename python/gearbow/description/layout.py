@@ -7,14 +7,15 @@ with n times the angle of its shaft excites n |r_s|, where n need not be a whole
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, pairwise
-from typing import Any, Protocol, TypeAlias
+from itertools import pairwise
+from typing import Any, Protocol
 
 import numpy as np
 
 from gearbow._convert import whole
+from gearbow._core import Model
 from gearbow._shown import ReadOnly, Shown
 from gearbow._types import Array, Dof
 from gearbow.description.gears import Disk, Gear, Mesh
@@ -28,7 +29,7 @@ from gearbow.description.places import (
     place_label,
 )
 from gearbow.description.rolling import RollingBearing
-from gearbow.description.shafts import STEEL, Material, Shaft, Sleeve, segments_of
+from gearbow.description.shafts import STEEL, Shaft, Sleeve, segments_of
 from gearbow.description.stiffness import Stiffness
 
 #: Largest number of harmonics and of sidebands, which bounds the memory for the list of orders.
@@ -54,6 +55,7 @@ class Train(Protocol):
     couplings: tuple[Coupling, ...]
     forces: tuple[Force, ...]
     sleeves: tuple[Sleeve, ...]
+    _model: Model
 
     @property
     def dofs(self) -> tuple[Dof, ...]:
@@ -384,10 +386,6 @@ def assumptions(system: Train) -> list[str]:
     ]
 
 
-#: End and shear length √(12EI/(κGA)) of each part of a shaft [m].
-ShearLengths: TypeAlias = tuple[tuple[float, float], ...]
-
-
 @dataclass(frozen=True, eq=False)
 class ShaftOutline(ReadOnly):
     """Outline of one shaft."""
@@ -396,7 +394,6 @@ class ShaftOutline(ReadOnly):
     origin: Array
     steps: tuple["Step", ...]
     sleeves: tuple["Step", ...]
-    shear_lengths: ShearLengths
 
     @property
     def length(self) -> float:
@@ -407,11 +404,6 @@ class ShaftOutline(ReadOnly):
         """Look up the outer radius at a position; at a step, that on the left."""
         step = next((step for step in self.steps if position <= step.end), self.steps[-1])
         return step.radius(position)
-
-    def shear_length(self, position: float) -> float:
-        """Look up the shear length at a position."""
-        lengths = (length for end, length in self.shear_lengths if position <= end)
-        return next(lengths, self.shear_lengths[-1][1])
 
 
 @dataclass(frozen=True)
@@ -486,30 +478,17 @@ class Layout(Shown):
         return next(shaft for shaft in self.shafts if shaft.name == name)
 
 
-def layout(system: Train, centre_distances: Sequence[float]) -> Layout:
-    """Find the geometry of a train at rest."""
-    by_name = {gear.name: gear for gear in system.gears}
-    origins = {system.shafts[0].name: np.zeros(3)}
+def layout(system: Train, origins: Sequence[Sequence[float]]) -> Layout:
+    """Collect the geometry of a train whose shafts begin at the origins [m]."""
     given: list[Gear | Disk] = [*system.gears, *system.disks]
-    places = {body.name: (body.shaft, body.position) for body in given}
-    joined = (system.couplings, system.bearings, system.meshes, by_name, places)
-    while found := next(
-        chain(
-            _next_origin(system.meshes, centre_distances, by_name, origins),
-            _next_coaxial(coaxial(*joined), origins),
-        ),
-        None,
-    ):
-        origins[found[0]] = found[1]
     outlines = tuple(
         ShaftOutline(
             shaft.name,
-            origins.get(shaft.name, np.zeros(3)),
+            np.array(origin),
             _steps(shaft),
             tuple(_around(sleeve) for sleeve in system.sleeves if sleeve.shaft == shaft.name),
-            shear_lengths(shaft, system.sleeves),
         )
-        for shaft in system.shafts
+        for shaft, origin in zip(system.shafts, origins, strict=True)
     )
     bodies = tuple(
         BodyOutline(
@@ -574,66 +553,6 @@ def reference_radius(body: Gear | Disk) -> float:
     return (body.base_radius or 0.0) / float(np.cos(transverse))
 
 
-def _next_origin(
-    meshes: Sequence[Mesh],
-    centre_distances: Sequence[float],
-    gears: dict[str, Gear],
-    origins: dict[str, Array],
-) -> Iterator[tuple[str, Array]]:
-    """Give the origins of shafts that mesh with a shaft whose origin is known."""
-    for mesh, distance in zip(meshes, centre_distances, strict=True):
-        driver, driven = gears[mesh.driver], gears[mesh.driven]
-        angle = mesh.centre_line_angle
-        offset = np.array(
-            [
-                driver.position - driven.position,
-                distance * np.cos(angle),
-                distance * np.sin(angle),
-            ]
-        )
-        for known, new, sign in ((driver, driven, 1.0), (driven, driver, -1.0)):
-            if known.shaft in origins and new.shaft not in origins:
-                yield new.shaft, origins[known.shaft] + sign * offset
-
-
-def coaxial(
-    couplings: Iterable[Coupling],
-    bearings: Iterable[AnyBearing],
-    meshes: Iterable[Mesh],
-    gears: Mapping[str, Gear],
-    places: Mapping[str, tuple[str, float]],
-) -> Iterator[tuple[tuple[str, float], tuple[str, float]]]:
-    """Give the places that couplings, and bearings between two shafts, put at one point."""
-    pins = set()
-    for mesh in meshes:
-        if mesh.carrier is None:
-            continue
-        carrier = places[mesh.carrier] if isinstance(mesh.carrier, str) else mesh.carrier
-        pins |= {(gears[name].shaft, carrier[0]) for name in (mesh.driver, mesh.driven)}
-        # A carrier that turns is at the place of the ring around its planets.
-        yield from (
-            (places[name], carrier) for name in (mesh.driver, mesh.driven) if gears[name].internal
-        )
-    for coupling in couplings:
-        a, b = (places[at] if isinstance(at, str) else at for at in (coupling.a, coupling.b))
-        yield a, b
-    for bearing in bearings:
-        other = other_shaft(bearing.support)
-        # A bearing of a planet on its carrier is on a pin, away from the axis of the carrier.
-        if other is not None and (bearing.shaft, other[0]) not in pins:
-            yield (bearing.shaft, bearing.position), other
-
-
-def _next_coaxial(
-    pairs: Iterable[tuple[tuple[str, float], tuple[str, float]]], origins: dict[str, Array]
-) -> Iterator[tuple[str, Array]]:
-    """Give the origins of shafts on the axis of a shaft whose origin is known."""
-    for a, b in pairs:
-        for (known, x), (new, position) in ((a, b), (b, a)):
-            if known in origins and new not in origins:
-                yield new, origins[known] + np.array([x - position, 0.0, 0.0])
-
-
 def _steps(shaft: Shaft) -> tuple[Step, ...]:
     """Give the outline of every segment of a shaft."""
     segments = segments_of(shaft)
@@ -649,38 +568,3 @@ def _around(sleeve: Sleeve) -> Step:
     """Give the outline of a sleeve."""
     outer, inner = sleeve.outer_diameter / 2.0, sleeve.inner_diameter / 2.0
     return Step(sleeve.begin, sleeve.end, (outer, outer), (inner, inner))
-
-
-def shear_lengths(shaft: Shaft, sleeves: Sequence[Sleeve] = ()) -> ShearLengths:
-    """Give the end [m] and the shear length of each part of a shaft, of a cone in its middle."""
-    own = [sleeve for sleeve in sleeves if sleeve.shaft == shaft.name]
-    steps, segments = _steps(shaft), segments_of(shaft)
-    cuts = {step.end for step in steps} | {x for each in own for x in (each.begin, each.end)}
-    found = []
-    for begin, end in pairwise(sorted(cuts | {0.0})):
-        middle = (begin + end) / 2.0
-        at = next(i for i, step in enumerate(steps) if middle <= step.end)
-        (outer, inner), material = np.mean(segments[at]._ends, axis=0), segments[at].material
-        sums = _rigidities(outer, inner, material or shaft.material)
-        for each in own:
-            if each.begin <= middle <= each.end:
-                tube = _rigidities(each.outer_diameter, each.inner_diameter, each.material)
-                sums = sums + each._fraction * tube
-        found.append((end, float(np.sqrt(12.0 * sums[0] / sums[1])) if shaft.shear else 0.0))
-    return tuple(found)
-
-
-def _rigidities(outer: float, inner: float, material: Material) -> Array:
-    """Give EI and κGA of a hollow circular section, with κ of Cowper (1966) [N m², N]."""
-    ratio, shear = material.poisson_ratio, material.shear_modulus
-    if ratio is None:
-        ratio = material.youngs_modulus / (2.0 * (shear or 1.0)) - 1.0
-    shear = material.youngs_modulus / (2.0 * (1.0 + ratio)) if shear is None else shear
-    square = (inner / outer) ** 2
-    total = (1.0 + square) ** 2
-    kappa = (
-        6.0 * (1.0 + ratio) * total / ((7.0 + 6.0 * ratio) * total + (20.0 + 12.0 * ratio) * square)
-    )
-    area = np.pi / 4.0 * (outer**2 - inner**2)
-    second = area * (outer**2 + inner**2) / 16.0
-    return np.array([material.youngs_modulus * second, kappa * shear * area])

@@ -1,7 +1,7 @@
 """Bearings, couplings, drives, torques and forces, and the sources of harmonic analyses."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass
 from typing import Any, TypeAlias, get_args
 
 import numpy as np
@@ -21,7 +21,7 @@ from gearbow.description.bow import Bow
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.part import Part, expect
 from gearbow.description.places import Base, place, place_label
-from gearbow.description.rolling import ROLLING_FIELDS, RollingBearing
+from gearbow.description.rolling import RollingBearing
 from gearbow.description.speed import SpeedTable
 from gearbow.description.time_series import TimeSeries, described_value
 from gearbow.errors import SceneError
@@ -85,11 +85,6 @@ class Coupling(Part):
     angle: complex = 0.0
     runout: complex = 0.0
 
-    def _describe(self, path: str) -> dict[str, Plain]:
-        at = {name: place(getattr(self, name), f"{path}.{name}") for name in ("a", "b")}
-        # The inherited method cannot convert places: it gets texts, which `at` then replaces.
-        return super(Coupling, replace(self, a="a", b="b"))._describe(path) | at
-
 
 @dataclass(frozen=True)
 class Drive(Part):
@@ -114,10 +109,6 @@ class Drive(Part):
     at: At
     stiffness: float
     damping: float = 0.0
-
-    def _describe(self, path: str) -> dict[str, Plain]:
-        at = place(self.at, f"{path}.at")
-        return super(Drive, replace(self, at="at"))._describe(path) | {"at": at}
 
 
 @dataclass(frozen=True)
@@ -223,18 +214,6 @@ class Bearing(Part):
     contact: RollingContact | None = None
     contact_angle: float | None = None
     support: Base | None = None
-
-    @classmethod
-    def _from_description(  # type: ignore[override]  # one list holds several classes
-        cls, description: Mapping[str, Plain]
-    ) -> "AnyBearing":
-        if any(name in description for name in ROLLING_FIELDS):
-            return RollingBearing._from_description(description)
-        if "pad_count" in description:
-            return TiltingPadBearing._from_description(description)
-        if "stiffness" not in description:
-            return JournalBearing._from_description(description)
-        return super()._from_description(description)
 
 
 #: A bearing of any class.

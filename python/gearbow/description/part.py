@@ -35,10 +35,11 @@ class Part(CheckedKeywords, Shown):
             if value is None or (same and float not in allowed and int not in allowed):
                 continue
             found = _read(value, allowed, f"{path}.{field.name}")
-            default = field.default
+            make = field.default_factory
+            default = make() if callable(make) else field.default
             if isinstance(default, Part) and isinstance(found, dict):
                 default = default._describe(f"{path}.{field.name}")
-            if isinstance(found, list) or found != default:
+            if tuples(found) != default:
                 given[field.name] = found
         return given
 
@@ -94,10 +95,11 @@ def _read(value: object, kinds: tuple[Any, ...], path: str) -> Plain:
         return nested(value, path)
     tuples_allowed = (get_args(kind) for kind in kinds if get_origin(kind) is tuple)
     forms = [form for form in tuples_allowed if form[0] is str]
-    if forms and isinstance(value, tuple | list):
-        is_text = len(value) > 1 and isinstance(value[1], str)
-        form = next((one for one in forms if (one[1] is str) == is_text), forms[0])
-        return _read_place(value, form, path)
+    if forms and not isinstance(value, str):
+        return _read_place(value, forms, path)
+    named = _type_of_named(kinds)
+    if named is not None:
+        return _read_named(value, named, path)
     if str in kinds and (isinstance(value, str) or float not in kinds):
         return text(value, path)
     if float in kinds or int in kinds:
@@ -119,7 +121,10 @@ def _made(value: Plain, kinds: tuple[Any, ...]) -> Any:
     """Convert plain data to the value of a field, the inverse of `_read`."""
     if isinstance(value, Mapping):
         classes = _classes(kinds)
-        return _fitting(classes, value)._from_description(value) if classes else value
+        if classes:
+            return made(classes, value)
+        named = _type_of_named(kinds)
+        return {key: _made(tuples(one), (named,)) for key, one in value.items()}
     if not isinstance(value, list | tuple):
         return value
     if complex in kinds:
@@ -128,6 +133,11 @@ def _made(value: Plain, kinds: tuple[Any, ...]) -> Any:
         return tuples(value)
     entry = _class_of_entries(kinds)
     return value if entry is None else tuple(map(entry._from_description, value))
+
+
+def made(classes: Sequence[type[P]], description: Mapping[str, Plain]) -> P:
+    """Make the part that has all fields of a plain description, of the first fitting class."""
+    return _fitting(classes, description)._from_description(description)
 
 
 def _fitting(classes: Sequence[type[P]], description: Mapping[str, Plain]) -> type[P]:
@@ -148,10 +158,24 @@ def _class_of_entries(kinds: Iterable[Any]) -> type[Part] | None:
     return next(iter(_classes(entries)), None)
 
 
-def _read_place(value: Sequence[object], form: tuple[Any, ...], path: str) -> list[Plain]:
-    """Convert (shaft, position), with entries of the types of `form`."""
-    if not isinstance(value, tuple) or len(value) != len(form):
-        raise SceneError(f"{path}: must be a tuple (shaft, position), got {shown(value)}")
+def _type_of_named(kinds: Iterable[Any]) -> Any:
+    """Give the type of the values of a field that is a mapping by name; None for another field."""
+    return next((get_args(kind)[1] for kind in kinds if get_origin(kind) is Mapping), None)
+
+
+def _read_named(value: object, kind: Any, path: str) -> dict[str, Plain]:
+    """Convert a mapping by name."""
+    if not isinstance(value, Mapping):
+        raise SceneError(f"{path}: must be a dict by name, got {shown(value)}")
+    return {text(key, path): _read(one, (kind,), f"{path}.{key}") for key, one in value.items()}
+
+
+def _read_place(value: object, forms: Sequence[tuple[Any, ...]], path: str) -> list[Plain]:
+    """Convert (shaft, position) or (housing, interface) to the entries of one of the forms."""
+    if not isinstance(value, tuple | list) or len(value) != len(forms[0]):
+        raise SceneError(f"{path}: must be a name or (shaft, position), got {shown(value)}")
+    is_text = isinstance(value[1], str)
+    form = next((one for one in forms if (one[1] is str) == is_text), forms[0])
     pairs = enumerate(zip(value, form, strict=True))
     return [(text if kind is str else real)(item, f"{path}[{i}]") for i, (item, kind) in pairs]
 

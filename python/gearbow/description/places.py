@@ -3,16 +3,15 @@
 import numbers
 import re
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearbow._convert import BYTES, nested, real, shown, text
-from gearbow._types import Plain
+from gearbow._convert import BYTES, real, shown, text
 from gearbow.description.elastic import ElasticBody, Interface, Matrices, Surface, reduced
-from gearbow.description.part import Part, freeze, tuples
+from gearbow.description.part import Part, freeze
 from gearbow.errors import ChannelError, SceneError
 from gearbow.units.fields import is_quantity
 
@@ -237,28 +236,6 @@ class Housing(Part):
 
     def __post_init__(self) -> None:
         freeze(self, "inertia", "position", "rotational_stiffness", "rotational_damping")
-
-    def _describe(self, path: str) -> dict[str, Plain]:
-        if not isinstance(self.points, Mapping):
-            raise SceneError(
-                f"{path}.points: must be a dict of name: (x, y, z), got {shown(self.points)}"
-            )
-        # `Part` converts no mappings: the points follow below.
-        given = super(Housing, replace(self, points=()))._describe(path)  # type: ignore[arg-type]
-        given.pop("points", None)
-        if given.get("position") == [0.0, 0.0, 0.0]:
-            given.pop("position", None)
-        if self.points:
-            given["points"] = {
-                text(name, f"{path}.points"): nested(place, f"{path}.points.{name}")
-                for name, place in self.points.items()
-            }
-        return given
-
-    @classmethod
-    def _from_description(cls, description: Mapping[str, Plain]) -> "Housing":
-        points = {name: tuples(place) for name, place in description.get("points", {}).items()}
-        return super()._from_description({**description, "points": points})
 
 
 #: Positions with a smaller difference [m], or relative to a position above 1 m, are equal.

@@ -6,7 +6,7 @@ carrier stands still (star gear): it is the ground, or a housing. Or it turns, a
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, replace
 from typing import Any
 
@@ -546,33 +546,28 @@ def expanded(
 
 
 def planet_masses(
-    stage: PlanetaryStage,
-    meshes: Sequence[Mesh],
-    geometry: Mapping[tuple[str, str], MeshGeometry],
+    meshes: Iterable[Mesh],
+    distances: Mapping[tuple[str, str], float],
     gears: Mapping[str, Gear],
     masses: Mapping[str, float],
+    name: Callable[[str], str],
 ) -> list[Disk]:
-    """Give the disk with the inertia of planets about the carrier's axis; masses in kg."""
+    """Give disks with the inertia of planets on rigid pins about the axes of their carriers."""
     # Rigid pins move the planets along with the carrier; the spin of a planet about its own axis
-    # is a motion of its own. Planets on bearings move laterally themselves.
-    if stage._bearings("bearing"):
-        return []
-    first = next(mesh for mesh in meshes if f"{stage.planet.name} 1" in _ends(mesh))
-    if first.carrier is None or isinstance(first.carrier, str):
-        return []
-    distance = geometry[_ends(first)]["centre_distance"]
-    planets = [(masses[gears[name].shaft], distance) for name in stage._planets()]
-    return [Disk(**orbiting(f"{stage.planet.name} masses", first.carrier, planets))]
-
-
-def orbiting(
-    name: str, carrier: tuple[str, float], planets: Sequence[tuple[float, float]]
-) -> dict[str, Any]:
-    """Give masses [kg] at distances [m] from the axis of their carrier as a disk on it."""
-    (shaft, position), mass = carrier, sum(mass for mass, _ in planets)
-    polar = sum(mass * distance**2 for mass, distance in planets)
-    found = {"name": name, "shaft": shaft, "position": position, "mass": mass}
-    return found | {"diametral_inertia": 0.5 * polar, "polar_inertia": polar}
+    # is a motion of its own. Masses of shafts are in kg, centre distances of meshes in m; `name`
+    # gives the name of a disk on a shaft.
+    found: dict[tuple[str, float], list[tuple[float, float]]] = {}
+    for mesh in meshes:
+        rings = {end for end in _ends(mesh) if gears[end].internal}
+        if rings and mesh.carrier is not None:
+            (planet,) = {*_ends(mesh)} - rings
+            orbit = (masses[gears[planet].shaft], distances[_ends(mesh)])
+            found.setdefault(mesh.carrier, []).append(orbit)  # type: ignore[arg-type]  # a place
+    disks = []
+    for (shaft, position), orbits in found.items():
+        total, polar = (sum(m * distance**power for m, distance in orbits) for power in (0, 2))
+        disks.append(Disk(name(shaft), shaft, position, total, 0.5 * polar, polar))
+    return disks
 
 
 def tooth_angles(

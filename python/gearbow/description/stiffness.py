@@ -143,11 +143,8 @@ class Stiffness(Part):
             Mean of the mesh over its cycle, for the centres at rest [N/m]; give this or `pair`.
         pair : float
             Stiffness of one pair [N/m].
-        engagement : "sharp" or float
-            Engagement of a pair: "sharp" is instantaneous; a number is the length of the engagement
-            as a fraction of the base pitch. The default is 0.1.
-        phase : {"twist", "prescribed"}
-            What determines the position of the teeth on the path of contact; see the class.
+        engagement, phase : optional
+            Engagement of a pair, and what determines the position of the teeth; see the class.
 
         Returns
         -------
@@ -176,11 +173,8 @@ class Stiffness(Part):
             Stiffness of one pair in the middle of the path [N/m].
         end_ratio : float
             Stiffness at the ends of the path over `pair`, for the centres at rest; 0.6 by default.
-        engagement : "sharp" or float
-            Engagement of a pair: "sharp" is instantaneous; a number is the length of the engagement
-            as a fraction of the base pitch. The default is 0.1.
-        phase : {"twist", "prescribed"}
-            What determines the position of the teeth on the path of contact; see the class.
+        engagement, phase : optional
+            Engagement of a pair, and what determines the position of the teeth; see the class.
         """
         return cls(
             "parabolic",
@@ -207,11 +201,8 @@ class Stiffness(Part):
         bore_radii : pair of float
             Radii at which the bodies of driver and driven gear are fixed [m], below their root
             circles; the defaults are the radii of their shafts.
-        engagement : "sharp" or float
-            Engagement of a pair: "sharp" is instantaneous; a number is the length of the engagement
-            as a fraction of the base pitch. The default is 0.1.
-        phase : {"twist", "prescribed"}
-            What determines the position of the teeth on the path of contact; see the class.
+        engagement, phase : optional
+            Engagement of a pair, and what determines the position of the teeth; see the class.
         foundation : {"separate", "shared"}
             Fillet and gear body. "separate" gives each tooth pair its own compliance, as in most
             publications; where two pairs are in contact, it counts the body twice, in parallel,

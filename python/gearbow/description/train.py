@@ -13,42 +13,43 @@ from typing import Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 
-from gearbow._convert import nearest, shown, text
-from gearbow._core import Model, mesh_geometry
+from gearbow._convert import nearest, nodal, shown, text
+from gearbow._core import Model, shaft_motion, shaft_origins
 from gearbow._shown import ReadOnly
-from gearbow._types import Array, ComplexArray, Dof, Plain
+from gearbow._types import Array, ComplexArray, Plain
+from gearbow.description.coordinates import drawn_positions
 from gearbow.description.gears import Disk, Gear, Mesh
 from gearbow.description.layout import Layout, layout
-from gearbow.description.loads import Bearing, Coupling, Drive, Force, Torque
-from gearbow.description.part import Part
+from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
+from gearbow.description.part import Part, made
 from gearbow.description.places import Housing, Support
 from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.errors import AccuracyWarning, SceneError
 from gearbow.units.fields import unit_of
 
-#: Class of the parts of each list of a system.
-PARTS: dict[str, type[Part]] = {
-    "shafts": Shaft,
-    "gears": Gear,
-    "meshes": Mesh,
-    "bearings": Bearing,
-    "torques": Torque,
-    "disks": Disk,
-    "supports": Support,
-    "housings": Housing,
-    "couplings": Coupling,
-    "drives": Drive,
-    "forces": Force,
-    "sleeves": Sleeve,
-    "notches": Notch,
+#: Classes of the parts of each list of a system.
+PARTS: dict[str, tuple[type[Part], ...]] = {
+    "shafts": (Shaft,),
+    "gears": (Gear,),
+    "meshes": (Mesh,),
+    "bearings": get_args(AnyBearing),
+    "torques": (Torque,),
+    "disks": (Disk,),
+    "supports": (Support,),
+    "housings": (Housing,),
+    "couplings": (Coupling,),
+    "drives": (Drive,),
+    "forces": (Force,),
+    "sleeves": (Sleeve,),
+    "notches": (Notch,),
 }
 
 
 def parts_of(description: Mapping[str, Plain]) -> dict[str, tuple[Any, ...]]:
     """Make the parts of a system from its plain description."""
     return {
-        key: tuple(kind._from_description(part) for part in description.get(key, ()))
-        for key, kind in PARTS.items()
+        key: tuple(made(kinds, part) for part in description.get(key, ()))
+        for key, kinds in PARTS.items()
     }
 
 
@@ -59,26 +60,25 @@ class Train(ReadOnly):
     parts: Mapping[str, tuple[Any, ...]]
     layout: Layout
     ratios: Mapping[str, float]
-    dofs: tuple[Dof, ...]
-    bow: ComplexArray
+    #: Positions [m] and deflections y + iz [m] of each bowed shaft.
+    bows: Mapping[str, tuple[Array, ComplexArray]]
 
     @classmethod
     def of(cls, description: Mapping[str, Plain], ratios: Array) -> "Train":
         """Make the train of a plain description."""
         parts = parts_of(description)
         lists: Any = SimpleNamespace(**parts)
-        bows = [_bow(description, shaft.name) for shaft in parts["shafts"] if shaft.bow is not None]
+        bowed = [shaft.name for shaft in parts["shafts"] if shaft.bow is not None]
         return cls(
             parts=parts,
-            layout=layout(lists, [mesh["centre_distance"] for mesh in mesh_geometry(description)]),
+            layout=layout(lists, shaft_origins(description)),
             ratios={s.name: float(r) for s, r in zip(parts["shafts"], ratios, strict=True)},
-            dofs=tuple(dof for dofs, _ in bows for dof in dofs),
-            bow=np.concatenate([np.empty(0, complex), *(values for _, values in bows)]),
+            bows={name: _bow(description, name) for name in bowed},
         )
 
 
-def _bow(description: Mapping[str, Plain], name: str) -> tuple[list[Dof], ComplexArray]:
-    """Give the degrees of freedom and the bow of one shaft, from a model of this shaft alone."""
+def _bow(description: Mapping[str, Plain], name: str) -> tuple[Array, ComplexArray]:
+    """Give positions and deflections of a bowed shaft, from a model of this shaft alone."""
     own: dict[str, list[Plain]] = {
         key: [part for part in description.get(key, ()) if part["shaft"] == name]
         for key in ("gears", "disks", "bearings", "sleeves")
@@ -94,8 +94,11 @@ def _bow(description: Mapping[str, Plain], name: str) -> tuple[list[Dof], Comple
     with warnings.catch_warnings():
         # The conditioning of the modes does not affect the bow.
         warnings.simplefilter("ignore", AccuracyWarning)
-        bow: ComplexArray = model.synchronous(np.empty(0), "bow", 1)["bow"]
-    return list(model.dofs), bow
+        bow = model.synchronous(np.empty(0), "bow", 1)["bow"].real
+    nodes = list(dict.fromkeys(x for _, x, _ in nodal(model.dofs)))
+    positions = drawn_positions(nodes)
+    rows = shaft_motion(model.resolved(), name, positions)
+    return np.array(positions), rows["v"] @ bow + 1j * (rows["w"] @ bow)
 
 
 #: Options of a system that are numbers.

@@ -5,10 +5,12 @@ Bearings and forces act on bending only.
 """
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from gearbow._core import Model
-from gearbow.description.planetary import orbiting
+from gearbow.description.planetary import planet_masses
+from gearbow.description.train import parts_of
 from gearbow.exchange.rexs_file import Component, PlacedShaft, RexsFile, Shafts
 
 #: Stiffness of a rigid support against rotation [N m/rad], as that of a rigid coupling.
@@ -17,24 +19,20 @@ _RIGID = 1e10
 
 def with_orbits(description: dict[str, Any]) -> dict[str, Any]:
     """Add the inertia of planets about the axis of their carrier to it, as a disk."""
-    carried = [mesh for mesh in description.get("meshes", ()) if "carrier" in mesh]
-    if not carried:
+    if not any("carrier" in mesh for mesh in description.get("meshes", ())):
         return description
-    gears = {gear["name"]: gear for gear in description["gears"]}
-    names = [shaft["name"] for shaft in description["shafts"]]
-    masses = dict(zip(names, Model(description).mass_properties(), strict=True))
-    found: dict[tuple[str, float], list[tuple[float, float]]] = {}
-    for mesh in carried:
-        rings = [name for name in (mesh["driver"], mesh["driven"]) if gears[name].get("internal")]
-        if rings:
-            (planet,) = {mesh["driver"], mesh["driven"]} - set(rings)
-            one = (masses[gears[planet]["shaft"]][0], mesh["centre_distance"])
-            found.setdefault(tuple(mesh["carrier"]), []).append(one)
-    disks = [
-        orbiting(f"planet masses on {carrier[0]}", carrier, planets)
-        for carrier, planets in found.items()
-    ]
-    return {**description, "disks": [*description.get("disks", ()), *disks]}
+    parts = parts_of(description)
+    properties = zip(parts["shafts"], Model(description).mass_properties(), strict=True)
+    meshes = parts["meshes"]
+    disks = planet_masses(
+        meshes,
+        {(mesh.driver, mesh.driven): mesh.centre_distance for mesh in meshes},
+        {gear.name: gear for gear in parts["gears"]},
+        {shaft.name: mass for shaft, (mass, *_) in properties},
+        "planet masses on {}".format,
+    )
+    added = list(map(asdict, disks))
+    return {**description, "disks": [*description.get("disks", ()), *added]}
 
 
 class Planets:

@@ -20,7 +20,7 @@ from gearbow._types import Array
 from gearbow.description.layout import BodyOutline
 from gearbow.description.train import Train
 from gearbow.plotting.style import PALETTE, STYLE, colour, plain_texts, round_factor
-from gearbow.plotting.train import bows, circles, end_extent, line_of_action
+from gearbow.plotting.train import circles, end_extent, line_of_action
 from gearbow.units.speed import PER_MINUTE, speed_text
 
 #: Size of a frame [in] and its resolution [dot/in].
@@ -108,7 +108,7 @@ class _Body:
         rim = body.radius * np.column_stack([np.cos(angle), np.sin(angle)])
         self._rim = self._centre + rim
         bow = complex(0.0)
-        found = bows(motion.train).get(body.shaft)
+        found = motion.train.bows.get(body.shaft)
         if found is not None:
             bow = complex(np.interp(body.position, found[0], found[1]))
         turned = factor * bow * np.exp(1j * motion.angles[body.shaft])

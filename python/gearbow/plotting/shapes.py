@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from itertools import pairwise, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from gearbow._types import Array, ComplexArray, Dof, NodalDof
-from gearbow.description.coordinates import Entries, motion_within
+from gearbow._types import Array, ComplexArray, NodalDof
+from gearbow.description.coordinates import Coordinates, drawn_positions
 from gearbow.description.layout import BaseOutline, BodyOutline, Layout, ShaftOutline
 from gearbow.errors import GearbowError
 from gearbow.plotting.style import (
@@ -30,32 +30,26 @@ from gearbow.plotting.style import (
     text_size,
 )
 
-#: Smallest number of intervals between the drawn positions of a shaft.
-INTERVALS = 48
-
 
 def refined(
-    shapes: ComplexArray, dofs: Sequence[Dof], layout: Layout
+    shapes: ComplexArray, coordinates: Coordinates, layout: Layout
 ) -> tuple[ComplexArray, list[NodalDof]]:
     """Evaluate mode shapes at the nodes and between them."""
-    entries: dict[str, Entries] = {}
-    for n, (name, x, direction) in enumerate(dofs):
-        entries.setdefault(name, {}).setdefault(x, {})[direction] = shapes[:, n]
+    entries: dict[str, dict[float, dict[str, Any]]] = {}
+    for (name, x, direction), values in zip(coordinates.dofs, shapes.T, strict=True):
+        if not isinstance(x, tuple):
+            entries.setdefault(name, {}).setdefault(x, {})[direction] = values
     found: dict[NodalDof, ComplexArray] = {}
     for shaft in layout.shafts:
-        own = entries.get(shaft.name, {})
-        for begin, end in pairwise(x for x in own if not isinstance(x, tuple)):
-            xi = np.linspace(0.0, 1.0, 1 + int(np.ceil(INTERVALS * (end - begin) / shaft.length)))
-            positions = [begin, *(begin + xi[1:-1] * (end - begin)).tolist(), end]
-            phi = (shaft.shear_length((begin + end) / 2.0) / (end - begin)) ** 2
-            for direction, values in motion_within(own, (begin, end), xi, phi):
-                for x, value in zip(positions, values, strict=True):
-                    found[shaft.name, x, direction] = value
+        nodes = list(entries.get(shaft.name, ()))
+        positions = drawn_positions(nodes)
+        for direction, rows in coordinates.along(shaft.name, positions).items():
+            for x, value in zip(positions, rows @ shapes.T, strict=True):
+                found[shaft.name, x, direction] = value
     for base in layout.bases:
         for x, moved in entries.get(base.name, {}).items():
-            if not isinstance(x, tuple):
-                found |= {(base.name, x, direction): value for direction, value in moved.items()}
-        modes = shapes[:, [n for n, (name, _, _) in enumerate(dofs) if name == base.name]]
+            found |= {(base.name, x, direction): value for direction, value in moved.items()}
+        modes = shapes[:, [n for n, dof in enumerate(coordinates.dofs) if dof[0] == base.name]]
         for each in base.interfaces if base.name in entries else ():
             for direction, row in zip("uvw", each.rows, strict=True):
                 found[each.name, float(each.position[0]), direction] = modes @ row
@@ -443,10 +437,10 @@ def assurance(mac: Array, computed: Array, measured: Array, *, ax: GivenAxes = N
 
 
 def deflection(
-    state: Array, dofs: Sequence[Dof], layout: Layout, *, ax: GivenAxes = None
+    state: Array, coordinates: Coordinates, layout: Layout, *, ax: GivenAxes = None
 ) -> Figure:
     """Draw the displacements of the shafts along y and z, or their twist."""
-    values, nodes = refined(state[np.newaxis].astype(np.complex128), dofs, layout)
+    values, nodes = refined(state[np.newaxis].astype(np.complex128), coordinates, layout)
     directions = {direction for *_, direction in nodes}
     rows = {"v": ("displacement y [µm]", MICRO), "w": ("displacement z [µm]", MICRO)}
     if "v" not in directions:

@@ -14,7 +14,7 @@ from matplotlib.path import Path
 from gearbow._types import Array, At
 from gearbow.description.gears import Disk
 from gearbow.description.journal import JournalBearing, TiltingPadBearing
-from gearbow.description.layout import BodyOutline, ShaftOutline, coaxial
+from gearbow.description.layout import BodyOutline, ShaftOutline
 from gearbow.description.loads import Torque
 from gearbow.description.places import Support
 from gearbow.description.rolling import RollingBearing
@@ -162,6 +162,8 @@ def handles(kinds: list[str]) -> list[Any]:
 
 #: Density of the solid disk whose width represents a disk or a gear without a face width [kg/m³].
 _STEEL = 7850.0
+#: Distance below which two shafts have one axis [m].
+_SAME_AXIS = 1e-9
 #: Part of a box that another one may cover: pitch circles in mesh touch.
 _TOUCH = 0.05
 
@@ -237,11 +239,12 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
                 y, z = origins[other][1:] - origins[own][1:]
                 upwards = y if abs(y) > 1e-9 * abs(z) else z
                 found.append((other, float(np.copysign(np.hypot(y, z), upwards))))
-    places = {body.name: (body.shaft, body.position) for body in train.layout.bodies}
-    parts = train.parts
-    for pair in coaxial(parts["couplings"], parts["bearings"], parts["meshes"], gears, places):
-        ends = [shaft for shaft, _ in pair]
-        found += [(other, 0.0) for own, other in (ends, ends[::-1]) if own == known]
+    own = origins[known][1:]
+    found += [
+        (name, 0.0)
+        for name, origin in origins.items()
+        if name != known and np.allclose(origin[1:], own, rtol=0.0, atol=_SAME_AXIS)
+    ]
     return found
 
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
-from gearbow._types import Array, ComplexArray
+from gearbow._types import Array
 from gearbow.description.gears import Gear, Mesh
 from gearbow.description.layout import (
     BaseOutline,
@@ -23,7 +23,6 @@ from gearbow.description.places import Support, housing_and_interface, name_of_h
 from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.labels import Box, Labels, Place, around, series
-from gearbow.plotting.shapes import refined
 from gearbow.plotting.style import (
     STYLE,
     colour,
@@ -230,7 +229,7 @@ class SideView:
 
     def _bows(self, labels: Labels) -> None:
         """Draw the enlarged bow of each shaft in its own plane, with its size and angle."""
-        for name, (x, bow) in bows(self.train).items():
+        for name, (x, bow) in self.train.bows.items():
             left, y = float(self.train.layout.shaft(name).origin[0]), self._height(name)
             largest = bow[int(np.argmax(np.abs(bow)))]
             if largest == 0.0:
@@ -245,24 +244,6 @@ class SideView:
                 n = int(part * (x.size - 1))
                 places += [((left + x[n], float(curve[n])), (0.0, way)) for way in (1.0, -1.0)]
             labels.add(text.replace("-", "−"), places)
-
-
-def bows(train: Train) -> dict[str, tuple[Array, ComplexArray]]:
-    """Find the bow of each shaft that has one."""
-    if not train.dofs:
-        return {}
-    values, dofs = refined(train.bow[np.newaxis], train.dofs, train.layout)
-    found: dict[str, dict[str, list[Any]]] = {}
-    for (name, x, direction), value in zip(dofs, values[0], strict=True):
-        if direction in ("v", "w"):
-            found.setdefault(name, {}).setdefault(direction, []).append((x, value.real))
-    curves = {}
-    for name, planes in found.items():
-        y, z = (dict(planes[direction]) for direction in ("v", "w"))
-        positions = sorted(y)
-        curve = np.array([complex(y[x], z[x]) for x in positions])
-        curves[name] = np.array(positions), curve
-    return curves
 
 
 def _rectangle(box: Box, **style: Any) -> Rectangle:
@@ -489,7 +470,7 @@ def draw(train: Train, magnify: float | None, ax: Axes | Sequence[Axes] | None) 
 
 def magnification(train: Train) -> float:
     """Choose a round factor at which the largest bow is visible."""
-    largest = max((float(np.abs(bow).max()) for _, bow in bows(train).values()), default=0.0)
+    largest = max((float(np.abs(bow).max()) for _, bow in train.bows.values()), default=0.0)
     if largest == 0.0:
         return 1.0
     low, high = (end_extent(train)[i] for i in (1, 3))
@@ -516,7 +497,7 @@ def _new(boxes: Sequence[Box]) -> tuple[Figure, list[Axes]]:
 
 def _views(figure: Figure, side: SideView, panels: Sequence[Axes], boxes: Sequence[Box]) -> None:
     """Draw the views, after the limits, which give the length of a point of the page."""
-    bow = f", bow × {side.magnify:g}" if bows(side.train) else ""
+    bow = f", bow × {side.magnify:g}" if side.train.bows else ""
     titles = (f"side view{bow}", "end view, seen along −x")
     upright = "y [m]" if side.development.true else "along the lines of centres [m]"
     labels = (("x [m]", upright), ("y [m]", "z [m]"))

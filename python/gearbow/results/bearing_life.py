@@ -24,6 +24,7 @@ from gearbow.description.load_rating import (
 from gearbow.description.loads import Bearing
 from gearbow.description.places import Places, place_label
 from gearbow.description.rolling import RollingBearing
+from gearbow.description.train import parts_of
 from gearbow.errors import SceneError
 
 if TYPE_CHECKING:
@@ -274,7 +275,7 @@ def life_at(
 ) -> BearingLife:
     """Find the life of the bearings, given in plain form, at an equilibrium."""
     modifier = positive(factor, "factor") * reliability_factor(reliability)
-    parts = [Bearing._from_description(one) for one in bearings]
+    parts = parts_of({"bearings": bearings})["bearings"]
     places = [(one.shaft, float(one.position)) for one in parts]
     rows, notes = [], []
     for part, at in zip(parts, places, strict=True):

@@ -23,11 +23,12 @@ from gearbow._types import (
 )
 from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.loads import plain_sources
-from gearbow.description.places import Places, is_pair, place, place_label, places
+from gearbow.description.places import is_pair, place, place_label, places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.results.harmonic import PRINTED_PLACES, FrequencyComparison, HarmonicResponse
 from gearbow.results.section_forces import Motions
 from gearbow.sensors import SignalSensor
+from gearbow.units.fields import QUANTITIES
 from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ class FrequencyResponse(HarmonicResponse):
     _mesh_force: ComplexArray = field(repr=False)
     left_out: tuple[str, ...] = ()
 
-    _own_endings: ClassVar[tuple[str, ...]] = (".nc", ".uff", ".mat")
+    _own_endings: ClassVar[tuple[str, ...]] = (".uff", ".mat")
 
     def _facts(self) -> dict[str, str]:
         return {
@@ -123,23 +124,6 @@ class FrequencyResponse(HarmonicResponse):
 
         speeds = np.broadcast_to(self.speeds, self.frequencies.shape)[..., np.newaxis]
         return Motions(self.phasors, self._rates, speeds, _bowed)
-
-    def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
-        """Dynamic force of a mesh normal to the teeth.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, str)
-            The mesh, "driver/driven" or (driver, driven) in either order.
-
-        Returns
-        -------
-        ndarray, shape (k, sources)
-            Phasors (k + iωc)(δ − e)/cos β_b [N] with k, c, δ and e of the transverse section,
-            positive where the drive flanks are pressed.
-        """
-        force: ComplexArray = self._mesh_force[..., Places.of("mesh", self._meshes).index(at)]
-        return force
 
     def plot(
         self,
@@ -230,14 +214,7 @@ class FrequencyResponse(HarmonicResponse):
         self, at: Any, quantity: str, direction: LateralDirection | None
     ) -> tuple[dict[str, ComplexArray], str]:
         """Give label and phasors of each place and source, and their unit."""
-        known = {
-            "displacement": ("m", self.displacement),
-            "velocity": ("m/s", self.velocity),
-            "acceleration": ("m/s²", self.acceleration),
-            "twist": ("rad", self.twist),
-            "bearing_force": ("N", self.bearing_force),
-        }
-        one_of(quantity, known, "quantity")
+        one_of(quantity, get_args(FrequencyQuantity), "quantity")
         if direction is not None:
             one_of(direction, get_args(LateralDirection), "direction")
         single = isinstance(at, (str, SignalSensor)) or (isinstance(at, tuple) and len(at) == 2)
@@ -252,8 +229,7 @@ class FrequencyResponse(HarmonicResponse):
             elif is_pair(place(one)):
                 label, unit, values = f"mesh {'/'.join(place(one))}", "N", self.mesh_force(one)
             else:
-                unit, method = known[quantity]
-                values = method(one)
+                unit, values = QUANTITIES[quantity], self._at(quantity, one)
                 label = place_label(place(one))
                 if quantity != "twist":
                     axis = (
@@ -336,8 +312,10 @@ class FrequencyResponse(HarmonicResponse):
         """
         return self._curve_dataset(at, parts=False)
 
+    def _dataset(self, at: Any = None) -> "xr.Dataset":
+        return self._curve_dataset(at, parts=True)
+
     def _curve_dataset(self, at: Any, *, parts: bool) -> "xr.Dataset":
-        """Give the data set of curves."""
         from gearbow.exchange import harmonic  # noqa: PLC0415
 
         coordinates = {"frequency": self.frequencies, "speed": self.speeds}
@@ -368,49 +346,26 @@ class FrequencyResponse(HarmonicResponse):
         SceneError
             If the response has two axes, which a universal file cannot hold.
         """
-        found, ending = check_name(path, (*self._own_endings, ".csv", ".xlsx"))
-        if ending in self._own_endings:
-            self._write(found, ending, at)
-            return
-        frame = self.to_dataframe(at)
-        columns: dict[str, Any] = {}
-        for name in map(str, frame.columns):
-            values = frame[name].to_numpy()
-            if values.dtype.kind == "c":
-                label, _, unit = name.rpartition(" [")
-                columns[f"{label} re [{unit}"] = values.real
-                columns[f"{label} im [{unit}"] = values.imag
-            else:
-                columns[name] = values
-        from gearbow._sheets import save_table  # noqa: PLC0415  # few runs need it
+        self._write(path, at)
 
-        save_table(type(frame)(columns, index=frame.index), found, ending)
-
-    def _write(self, path: Any, ending: str, at: Any) -> None:
-        """Write a file with the curves of places."""
+    def _save_own(self, path: Any, ending: str, at: Any = None) -> None:
         from gearbow.exchange import harmonic  # noqa: PLC0415
 
-        about = (self.frequencies, self.speeds, self.sources)
-        if ending == ".uff":
-            if self.axes != ("frequency",):
-                raise SceneError("path: a universal file holds a response at one speed")
-            harmonic.write_uff(
-                path,
-                self._curves(at),
-                frequencies=self.frequencies,
-                speeds=self.speeds,
-                sources=self.sources,
-                plain=self._sources,
-            )
-        elif ending == ".mat":
+        if ending == ".mat":
             curves = self._curves(at)
             with replacing(path) as file:
-                harmonic.write_mat(file, curves, *about)
-        else:
-            from gearbow.recording.container import require_netcdf, save_netcdf  # noqa: PLC0415
-
-            require_netcdf()
-            save_netcdf(self._curve_dataset(at, parts=True), path)
+                harmonic.write_mat(file, curves, self.frequencies, self.speeds, self.sources)
+            return
+        if self.axes != ("frequency",):
+            raise SceneError("path: a universal file holds a response at one speed")
+        harmonic.write_uff(
+            path,
+            self._curves(at),
+            frequencies=self.frequencies,
+            speeds=self.speeds,
+            sources=self.sources,
+            plain=self._sources,
+        )
 
     def _axis_columns(self) -> list[Column]:
         """Give frequency, speed and source of each row of a table."""
@@ -428,7 +383,6 @@ class FrequencyResponse(HarmonicResponse):
         ]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each frequency and source, with the amplitudes at a few places."""
         sizes: dict[str, Any] = {}
         for curve in self._curves():
             if curve.kind == "displacement" and curve.unit == "m":

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._convert import one_of, positive
-from gearbow._core import Model
+from gearbow._core import Model, shaft_origins
 from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import ReadOnly, short
 from gearbow._types import Array, At, ComplexArray, Plain, Side
 from gearbow.description.coordinates import Coordinates, time_derivatives
 from gearbow.description.places import Places, housing_and_interface
-from gearbow.description.train import Train
 from gearbow.errors import SceneError
 from gearbow.results.at_places import Vibration
 from gearbow.results.section_forces import Motions, SectionForces, harmonic_forces
@@ -38,6 +37,8 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
     description: Mapping[str, Plain]
     _bearings: tuple[tuple[str, float], ...]
     _bearing_force: ComplexArray
+    _meshes: tuple[tuple[str, str], ...]
+    _mesh_force: ComplexArray
 
     @property
     @abstractmethod
@@ -72,6 +73,23 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
             If there is no such place, or the system has no axial motion.
         """
         return self._at("axial", at)
+
+    def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
+        """Dynamic force of a mesh normal to the teeth.
+
+        Parameters
+        ----------
+        at : str or tuple of (str, str)
+            The mesh, "driver/driven" or (driver, driven) in either order.
+
+        Returns
+        -------
+        ndarray, shape (...,)
+            Phasors (k + iωc)(δ − e)/cos β_b [N] with k, c, δ and e of the transverse section,
+            positive where the drive flanks are pressed.
+        """
+        force: ComplexArray = self._mesh_force[..., Places.of("mesh", self._meshes).index(at)]
+        return force
 
     def measure(self, sensor: SignalSensor) -> ComplexArray:
         """Signal of a sensor.
@@ -204,8 +222,8 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
             base = base.get("name") or f"bearings[{number}].support"
         housings = {each["name"]: each for each in self.description.get("housings", ())}
         if isinstance(base, str) and base in housings:
-            train = Train.of(self.description, self._model().speed_ratios)
-            foot = train.layout.shaft(shaft).origin + np.array([x, 0.0, 0.0])
+            origin = shaft_origins(self.description)[self.coordinates.shafts.index(shaft)]
+            foot = np.add(origin, [x, 0.0, 0.0])
             arm = foot - housings[base].get("position", [0.0, 0.0, 0.0])
             below = self.coordinates.of_point(self._motion, base, arm)
         else:
@@ -261,7 +279,6 @@ class FrequencyComparison(Figured, ReadOnly):
         return {"curves": short([one.label for one in self.measured]), "frac": short(self.frac)}
 
     def _columns(self) -> list[Column]:
-        """Give a row for each curve."""
         return [
             Column("curve", [one.label for one in self.measured]),
             Column("quantity", [one.quantity for one in self.measured]),

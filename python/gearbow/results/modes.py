@@ -83,7 +83,6 @@ class ModeComparison(Figured, ReadOnly):
         return figures.assurance(self.mac, self.computed_hz, self.measured_hz, ax=ax)
 
     def _columns(self) -> list[Column]:
-        """Give a row for each measured mode."""
         computed, own = np.reshape(np.array(self.pairs, dtype=np.intp), (-1, 2)).T - 1
         found, measured = self.computed_hz[computed], self.measured_hz[own]
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -377,7 +376,6 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         return [int(mode) for mode in np.flatnonzero(self._vibrates)]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each mode."""
         return [
             Column("mode", np.arange(1, len(self.whirl) + 1)),
             Column("frequency", self.frequencies_hz, "Hz", ".3f"),
@@ -439,7 +437,7 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
                 share = sum(share for (_, direction), share in shares.items() if direction == rod)
                 drawn[np.broadcast_to(share, drawn.shape) > 0.5] = rod
             chosen = np.arange(min(whole(count, "count"), len(self.whirl)))
-            shapes, dofs = figures.refined(self.shapes[chosen], self.dofs, self.layout)
+            shapes, dofs = figures.refined(self.shapes[chosen], self.coordinates, self.layout)
             return figures.overview(
                 [titles[mode] for mode in chosen],
                 shapes,
@@ -458,7 +456,7 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
         if not 1 <= number <= len(self.whirl):
             raise GearbowError(f"there is no mode {number}; there are {len(self.whirl)}, from 1")
         own = self.shapes[number - 1 : number]
-        shapes, dofs = figures.refined(own, self.dofs, self.layout)
+        shapes, dofs = figures.refined(own, self.coordinates, self.layout)
         return self._titles()[number - 1], shapes[0], dofs
 
 

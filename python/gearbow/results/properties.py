@@ -61,7 +61,7 @@ class MassProperties(Result, ReadOnly):
 
     @classmethod
     def _of(
-        cls, names: Sequence[str], found: Sequence[Sequence[float]], origins: Sequence[Array]
+        cls, names: Sequence[str], found: list[list[float]], origins: list[list[float]]
     ) -> "MassProperties":
         """Add the shafts, which begin at the origins [m], to a machine."""
         mass, along, polar, diametral = np.array(found, dtype=float).T
@@ -79,7 +79,6 @@ class MassProperties(Result, ReadOnly):
         return ["mass properties of the shafts with sleeves, gears and disks"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each shaft, and one for the machine about axes through its centre."""
         x, y, z = np.vstack([self.centre, self.total_centre]).T
         inertia = np.diag(self.total_inertia)
         return [

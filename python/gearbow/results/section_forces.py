@@ -117,7 +117,6 @@ class SectionForces(Figured, ReadOnly):
         return values.min(axis=0), values.max(axis=0)
 
     def _columns(self) -> list[Column]:
-        """Give a row for each section: the values, or those of largest size."""
         low, high = self._extremes
         found = np.where(-low > high, low, high)
         if np.iscomplexobj(self.values):
@@ -171,10 +170,10 @@ def shaft_of(coordinates: Coordinates, at: At) -> tuple[str, list[float] | None]
         found = coordinates.bodies.get(at)
         if found is not None:
             return found[0], [found[1]]
-        if at in coordinates.shear_lengths:
+        if at in coordinates.shafts:
             return at, None
     shaft = coordinates.shaft(at)
-    if shaft not in coordinates.shear_lengths or not is_place(at):
+    if shaft not in coordinates.shafts or not is_place(at):
         raise SceneError(f"at: {at!r} is no place of a shaft, and only shafts have section forces")
     return shaft, [float(at[1])]
 

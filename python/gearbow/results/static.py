@@ -73,29 +73,11 @@ class MeshState(Shown):
 
 
 class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
-    """Equilibrium under torque, gravity and mesh forces. The rotating bow does not contribute.
+    """Equilibrium under torque, gravity and mesh forces, made by `gearbow.RotorSystem.static`.
 
-    `plot` draws the displacements along y and z over the shafts in two panels, with marks at
-    gears and disks, of a system without lateral motion the twist in one; or the section forces.
-
-    Parameters
-    ----------
-    data : mapping
-        Displacements, mesh states and bearing forces.
-    coordinates : Coordinates
-        Degrees of freedom of the system.
-    layout : Layout
-        Geometry of the train at rest.
-    description : mapping
-        The plain system, for section forces.
-    speed : float
-        Speed of the reference shaft [rad/s].
-    geometry : {"live", "frozen"}
-        Whether the line of action follows the moving centres or is that at rest.
-    ratios : mapping, optional
-        Speed of each shaft over that of the reference shaft by its name.
-    excitations : tuple of str
-        Excitations of the system, which the equilibrium does not contain.
+    The rotating bow does not contribute. `plot` draws the displacements along y and z over the
+    shafts in two panels, with marks at gears and disks, of a system without lateral motion the
+    twist in one; or the section forces.
 
     Attributes
     ----------
@@ -257,7 +239,6 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
         return [f"static equilibrium{at}; unbalanced part of the load {self.residual:.1e}"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each mesh, bearing, gear and disk."""
         mesh, none = self._data["mesh"], np.array([np.nan, np.nan])
         rows: list[tuple[str, float, float, Array, float]] = []
         for i, (driver, driven) in enumerate(self._data["meshes"]):
@@ -318,7 +299,7 @@ class Static(WithSpeeds, Result, ReadOnly, AxialMotion[Array, float]):
 
         with self._showing(speed_unit):
             if kind == "deflection":
-                return shapes.deflection(self.state, self.coordinates.dofs, self._layout, ax=ax)
+                return shapes.deflection(self.state, self.coordinates, self._layout, ax=ax)
             courses = {}
             for name in (shaft.name for shaft in self._layout.shafts):
                 found = self.section_forces(name)
@@ -405,7 +386,6 @@ class Efficiency(WithSpeeds, Figured, ReadOnly):
         return ["losses by friction of the teeth; no churning, no seals, no friction of bearings"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each mesh at each speed, and one for the train."""
         names = [*("/".join(pair) for pair in self.meshes), "train"]
         none = np.full((self.speeds.size, 1), np.nan)
 

@@ -13,7 +13,7 @@ from gearbow._result import Column, in_degrees, in_micrometres, replaced
 from gearbow._shown import short
 from gearbow._types import Array, At, ComplexArray, Excitation, Plain, SynchronousFigure
 from gearbow.description.coordinates import Coordinates
-from gearbow.description.places import Places, place_label, places
+from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError
 from gearbow.results.harmonic import PRINTED_PLACES, HarmonicResponse
 from gearbow.results.peak import Peak, Peaks, marks, operating_range
@@ -102,6 +102,8 @@ class Synchronous(HarmonicResponse):
     description: Mapping[str, Plain] = field(repr=False)
     _bearings: tuple[tuple[str, float], ...] = field(repr=False)
     _bearing_force: ComplexArray = field(repr=False)
+    _meshes: tuple[tuple[str, str], ...] = field(repr=False)
+    _mesh_force: ComplexArray = field(repr=False)
     _bow: ComplexArray = field(repr=False)
     _ratios: Array = field(repr=False)
     left_out: tuple[str, ...] = ()
@@ -216,30 +218,6 @@ class Synchronous(HarmonicResponse):
             elastic[:, own] -= self._bow[indices]
         return elastic
 
-    def mesh_force(self, at: str | tuple[str, str]) -> ComplexArray:
-        """Dynamic force of a mesh normal to the teeth, which each shaft causes.
-
-        Parameters
-        ----------
-        at : str or tuple of (str, str)
-            The mesh, "driver/driven" or (driver, driven) in either order.
-
-        Returns
-        -------
-        ndarray, shape (speeds, shafts)
-            Phasors of the force normal to the teeth [N] that the excitation of each shaft causes.
-            Slow-roll amplitudes are not subtracted.
-        """
-        model = self._model()
-        meshes = [(mesh["driver"], mesh["driven"]) for mesh in self.description.get("meshes", ())]
-        index = Places.of("mesh", meshes).index(at)
-        columns = []
-        for shaft, rates in zip(self.shafts, self._rates.T, strict=True):
-            source = {"kind": "shaft", "shaft": shaft, "excitation": self.excitation}
-            found = model.frequency_response(rates.copy(), self.speeds, [source], 1)
-            columns.append(found["mesh_force"][:, 0, index])
-        return np.stack(columns, axis=1)
-
     @in_given_unit
     def subtract_slow_roll(self, speed: float) -> "Synchronous":
         """Subtract the amplitudes at a slow-roll speed, as for measured run-out.
@@ -252,7 +230,8 @@ class Synchronous(HarmonicResponse):
         Returns
         -------
         Synchronous
-            The response minus its amplitudes at slow roll. Bearing forces do not change.
+            The response minus its amplitudes at slow roll. Forces on bearings and of meshes do not
+            change.
         """
         slow = number(speed, "speed")
         runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array, number, one_of, text, truth, whole
-from gearbow._core import mesh_geometry, require_memory
+from gearbow._core import require_memory, shaft_origins
 from gearbow._parallel import thread_count
 from gearbow._progress import working
 from gearbow._types import Excitation, Geometry
@@ -111,7 +111,7 @@ def modes(
 
 def layout_of(self: System) -> Layout:
     """Find the geometry of the train at rest."""
-    return layout(self, [mesh["centre_distance"] for mesh in mesh_geometry(self.description)])
+    return layout(self, shaft_origins(self.description))
 
 
 def mass_properties(self: System) -> "MassProperties":
@@ -125,7 +125,7 @@ def mass_properties(self: System) -> "MassProperties":
     from gearbow.results.properties import MassProperties  # noqa: PLC0415
 
     names = [shaft.name for shaft in self.shafts]
-    origins = [layout_of(self).shaft(name).origin for name in names]
+    origins = shaft_origins(self.description)
     return MassProperties._of(names, self._model.mass_properties(), origins)
 
 
@@ -410,6 +410,8 @@ def synchronous(
         description=self.description,
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
+        _meshes=tuple(data["meshes"]),
+        _mesh_force=data["mesh_force"],
         _bow=data["bow"],
         _ratios=self._model.ratios_in_frames,
         left_out=left_out(self) if excitation == "both" else (),

@@ -14,13 +14,11 @@ from gearbow.accuracy import DEFAULT
 from gearbow.analysis.balance import balance
 from gearbow.description.coordinates import Coordinates
 from gearbow.description.gears import Disk, Gear, Mesh
-from gearbow.description.journal import JournalBearing, TiltingPadBearing
 from gearbow.description.layout import assumptions, ratios_by_shaft, tooth_orders
 from gearbow.description.loads import AnyBearing, Coupling, Drive, Force, Torque
 from gearbow.description.part import Part, parts, tuples
 from gearbow.description.places import Housing, Support
 from gearbow.description.planetary import PlanetaryStage, expanded, planet_masses, tooth_angles
-from gearbow.description.rolling import RollingBearing
 from gearbow.description.shafts import Notch, Shaft, Sleeve
 from gearbow.description.time_series import (
     described_ratios,
@@ -59,12 +57,6 @@ from gearbow.units.speed import SpeedUnit, in_given_unit, unit_in_texts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-#: Further classes of a list of parts.
-_OTHERS: dict[str, tuple[type[Part], ...]] = {
-    "bearings": (JournalBearing, TiltingPadBearing, RollingBearing)
-}
-
 
 #: Options of a system, and their conversion to plain data.
 _OPTIONS: dict[str, Callable[[object, str], Plain]] = {
@@ -291,11 +283,16 @@ class RotorSystem(CheckedKeywords, Shown):
         ratios = ratios_by_shaft(self)
         properties = self._model.mass_properties()
         masses = {name: mass for name, (mass, *_) in zip(ratios, properties, strict=True)}
+        distances = {pair: own["centre_distance"] for pair, own in geometry.items()}
         found: dict[tuple[str, str], float] = {}
         disks = list(self.disks)
         for stage in stages:
             found |= tooth_angles(stage, self.meshes, geometry, gears, ratios)
-            disks += planet_masses(stage, self.meshes, geometry, gears, masses)
+            if not stage._bearings("bearing"):  # others move laterally themselves
+                planets = {*stage._planets()}
+                own = (mesh for mesh in self.meshes if planets & {mesh.driver, mesh.driven})
+                name = f"{stage.planet.name} masses".format
+                disks += planet_masses(own, distances, gears, masses, name)
         meshes = (
             replace(mesh, tooth_angle=found[pair]) if pair in found else mesh
             for pair, mesh in zip(pairs, self.meshes, strict=True)
@@ -306,8 +303,8 @@ class RotorSystem(CheckedKeywords, Shown):
         self, lists: Sequence[Sequence[Part]], options: Mapping[str, object]
     ) -> dict[str, Plain]:
         """Keep parts, in the order of `PARTS`, and options; return them as plain data."""
-        for (key, kind), given in zip(PARTS.items(), lists, strict=True):
-            listed = enumerate(parts(given, kind, key, *_OTHERS.get(key, ())))
+        for (key, (kind, *others)), given in zip(PARTS.items(), lists, strict=True):
+            listed = enumerate(parts(given, kind, key, *others))
             setattr(self, key, tuple(part._in_si(f"{key}[{i}]") for i, part in listed))
         description: dict[str, Plain] = {
             key: [part._describe(f"{key}[{i}]") for i, part in enumerate(getattr(self, key))]

@@ -36,7 +36,7 @@ def test_radii():
     # I_p = m r² / 2 of a thin disk
     assert reference_radius(gb.Disk("d", "s", 0.1, 8.0, 0.02, 0.04)) == pytest.approx(0.1)
     system = stepped_rotor()
-    (shaft,) = layout(system, []).shafts
+    (shaft,) = layout(system, [[0.0, 0.0, 0.0]]).shafts
     assert [shaft.outer_radius(x) for x in (0.1, 0.3, 0.31, 0.8)] == pytest.approx(
         [0.02, 0.02, 0.03, 0.03]
     )
@@ -124,7 +124,7 @@ def test_a_long_element_is_drawn_as_many_short_ones(shear: bool, motion: str):
         stepped(elements, degree, shear=shear, motion=motion).modes(speed=300.0, count=4)
         for elements, degree in ((1, 7), (24, 2))
     )
-    shapes, dofs = refined(long.shapes, long.dofs, long.layout)
+    shapes, dofs = refined(long.shapes, long.coordinates, long.layout)
     places = {(round(x, 9), direction): n for n, (_, x, direction) in enumerate(dofs)}
     at = {
         n: places[round(x, 9), direction]
