@@ -151,6 +151,21 @@ def data_frame(columns: Sequence[Column], *, indexed: bool = False) -> "pd.DataF
     return frame
 
 
+def _without_complex(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Replace each complex column by one of real and one of imaginary parts."""
+    columns: dict[str, Any] = {}
+    for name in map(str, frame.columns):
+        values = frame[name]
+        if values.dtype.kind == "c":
+            label, *unit = name.rsplit(" [", 1)
+            for part, numbers in (("re", np.real(values)), ("im", np.imag(values))):
+                columns[" [".join([f"{label} {part}", *unit])] = numbers
+        else:
+            columns[name] = values
+    found: pd.DataFrame = type(frame)(columns, index=frame.index)
+    return found
+
+
 class Result(Shown):
     """Base of results with a table."""
 
@@ -270,20 +285,25 @@ class Result(Shown):
         GearbowError
             If the table is larger than a sheet of Excel.
         """
+        self._write(path)
+
+    def _write(self, path: str | os.PathLike[str], *chosen: Any) -> None:
+        """Write a file of all that the result contains, or of what is chosen of it."""
         others = [each for each in TABLE_ENDINGS if each not in self._own_endings]
         found, ending = check_name(path, (*self._own_endings, *others))
         if ending in self._own_endings:
-            self._save_own(found, ending)
+            self._save_own(found, ending, *chosen)
         elif ending == ".nc":
             from gearbow.recording.container import require_netcdf, save_netcdf  # noqa: PLC0415
 
             require_netcdf()
-            save_netcdf(self._dataset(), found)
+            save_netcdf(self._dataset(*chosen), found)
         else:
-            frame = self.to_dataframe()
+            frame = self.to_dataframe(*chosen)
             from gearbow._sheets import save_table  # noqa: PLC0415  # few runs need it
 
-            save_table(frame.reset_index() if self._indexed else frame, found, ending)
+            table = frame.reset_index() if self._indexed else frame
+            save_table(_without_complex(table), found, ending)
 
     def _dataset(self) -> "xr.Dataset":
         """Give the columns as variables over the rows."""

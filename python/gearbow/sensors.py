@@ -76,7 +76,8 @@ class SignalSensor(Sensor):
         -------
         ndarray, shape (k,)
             Signal at the recorded times, in the `unit` of the sensor: displacement towards a probe,
-            or along +x, plus run-out; acceleration without gravity; torque or bending moment.
+            or along +x, plus run-out [m]; acceleration without gravity [m/s²]; torque or bending
+            moment [N m]; weighted forces of the meshes of a ring [N].
 
         Raises
         ------

@@ -21,6 +21,7 @@ from gearbow.recording.record import (
     Event,
     MeshResponse,
     MeshScene,
+    Recorded,
     RunRecord,
     contact_at,
     first_contact,
@@ -141,7 +142,6 @@ class EnergyBalance(Figured, ReadOnly):
         return {name: getattr(self, name) for name in names}
 
     def _columns(self) -> list[Column]:
-        """Give a row for each term."""
         terms = self._terms()
         values = np.array(list(terms.values())).reshape(len(terms), -1)
         if not values.size:
@@ -277,8 +277,20 @@ def journal(run: RunRecord, at: object) -> BearingMotion:
     return journal_motion(bearings, place(at), displacement, force)
 
 
-def rolling(run: RunRecord, at: object) -> BearingMotion:
-    """Give the load of a rolling bearing."""
+def rolling(self: Recorded, at: tuple[str, float]) -> BearingMotion:
+    """Time history of a rolling bearing.
+
+    Parameters
+    ----------
+    at : tuple of (str, float)
+        Shaft and position of the bearing [m].
+
+    Returns
+    -------
+    BearingMotion
+        Force, number of loaded elements and largest contact force.
+    """
+    run = self._to_record()
     force = bearing_force(run, at)
     i = Places.of("bearing", run.data["rolling_bearings"]).index(at, "rolling bearing")
     loaded, largest = np.moveaxis(run.data["rolling_contact"][:, i], -1, 0)
@@ -362,15 +374,46 @@ def planets_of(run: RunRecord, ring: str) -> list[PlanetMotion]:
     return found
 
 
-def mesh(run: RunRecord, at: object) -> MeshResponse:
-    """Give the time history of one mesh."""
+def mesh(self: Recorded, at: str | tuple[str, str]) -> MeshResponse:
+    """Time history of one mesh.
+
+    Parameters
+    ----------
+    at : tuple of (str, str) or str
+        The two gears, (driver, driven) in either order, or "driver/driven".
+
+    Returns
+    -------
+    MeshResponse
+        Force and deflection, and the geometry of the moving centres.
+    """
+    run = self._to_record()
     i = _mesh(run, at)
     contact = contact_at(run.time, *_contact(run, i))
     return MeshResponse(**_mesh_values(run, i), contact=contact)
 
 
-def contact_shares(run: RunRecord, at: object, skip_time: float) -> ContactShares:
-    """Find the shares of the time in each state of contact of a mesh."""
+def contact_shares(
+    self: Recorded, at: str | tuple[str, str], *, skip_time: float = 0.0
+) -> ContactShares:
+    """Find the shares of the time with contact of drive flanks, back flanks, both or none.
+
+    The contact changes at the exact times of the events, also between recorded instants.
+
+    Parameters
+    ----------
+    at : tuple of (str, str) or str
+        The mesh, as for `mesh`.
+    skip_time : float
+        Time at the beginning that is ignored [s].
+
+    Returns
+    -------
+    ContactShares
+        The shares between the first and the last recorded time; `ContactShares.lost` is the
+        share without contact of the drive flanks. A mesh without backlash is always in contact.
+    """
+    run = self._to_record()
     begin = begin_after(run.time, skip_time)
     return shares(begin, float(run.time[-1]), *_contact(run, _mesh(run, at)))
 
@@ -414,8 +457,15 @@ def energy(run: RunRecord) -> Array:
     return found
 
 
-def energy_balance(run: RunRecord) -> EnergyBalance:
-    """Give the energies of the system and the work done on it."""
+def energy_balance(self: Recorded) -> EnergyBalance:
+    """Compare the energies of the system with the work done on it.
+
+    Returns
+    -------
+    EnergyBalance
+        The terms, their sums, and the residual, which is the integration error.
+    """
+    run = self._to_record()
     terms = run.data["energy_terms"]
     if terms is None:
         raise run.missing("the energy balance", "energy")
@@ -430,8 +480,22 @@ def speeds(run: RunRecord, times: ArrayLike | None = None) -> Array:
     return np.full(t.shape, run.speed)
 
 
-def angle(run: RunRecord, shaft: str, times: ArrayLike | None = None) -> Array:
-    """Give the prescribed angle of a shaft [rad]."""
+def angle(self: Recorded, shaft: str, times: "ArrayLike | None" = None) -> Array:
+    """Prescribed angle of a shaft, without its twist.
+
+    Parameters
+    ----------
+    shaft : str
+        Name of the shaft.
+    times : array_like, shape (n,), optional
+        Times [s]; None is the k recorded times.
+
+    Returns
+    -------
+    ndarray, shape (k,) or (n,)
+        Angle about x, not reduced to one revolution [rad].
+    """
+    run = self._to_record()
     found: Array = _ratio(run, shaft) * reference_angle(run, times)
     return found
 
@@ -449,8 +513,22 @@ def reference_angle(run: RunRecord, times: ArrayLike | None = None) -> Array:
     return angles
 
 
-def spin(run: RunRecord, shaft: str, times: ArrayLike | None = None) -> Array:
-    """Give the prescribed angular velocity of a shaft [rad/s]."""
+def spin(self: Recorded, shaft: str, times: "ArrayLike | None" = None) -> Array:
+    """Prescribed angular velocity of a shaft.
+
+    Parameters
+    ----------
+    shaft : str
+        Name of the shaft.
+    times : array_like, shape (n,), optional
+        Times [s]; None is the k recorded times.
+
+    Returns
+    -------
+    ndarray, shape (k,) or (n,)
+        Angular velocity about x [rad/s].
+    """
+    run = self._to_record()
     found: Array = _ratio(run, shaft) * speeds(run, times)
     return found
 

@@ -4,13 +4,11 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, Generic, TypeVar, get_args
 
-from numpy.typing import ArrayLike
-
 from gearbow._convert import CheckedMethods, one_of
 from gearbow._types import Array, At, Record, RunData, Side
 from gearbow.recording import access
-from gearbow.recording.access import BearingMotion, EnergyBalance
-from gearbow.recording.record import ContactShares, Event, MeshResponse, RunRecord
+from gearbow.recording.access import BearingMotion
+from gearbow.recording.record import Event, RunRecord
 from gearbow.results.section_forces import SectionForces, recorded_forces
 
 #: Arrays of vectors, and of numbers.
@@ -204,11 +202,6 @@ class Vibration(LoadedMotion[V, S]):
         -------
         ndarray, shape (..., 2)
             Velocities along y and z [m/s].
-
-        Raises
-        ------
-        GearbowError
-            As for `displacement`.
         """
         return self._at("velocity", at)  # type: ignore[no-any-return]
 
@@ -227,11 +220,6 @@ class Vibration(LoadedMotion[V, S]):
         -------
         ndarray, shape (..., 2)
             Accelerations along y and z [m/s²].
-
-        Raises
-        ------
-        GearbowError
-            As for `displacement`.
         """
         return self._at("acceleration", at)  # type: ignore[no-any-return]
 
@@ -273,39 +261,12 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         """Speed of the reference shaft at the recorded times [rad/s], shape (k,)."""
         return access.speeds(self._to_record())
 
-    def angle(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
-        """Prescribed angle of a shaft, without its twist.
-
-        Parameters
-        ----------
-        shaft : str
-            Name of the shaft.
-        times : array_like, shape (n,), optional
-            Times [s]; None is the k recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,) or (n,)
-            Angle about x, not reduced to one revolution [rad].
-        """
-        return access.angle(self._to_record(), shaft, times)
-
-    def spin(self, shaft: str, times: "ArrayLike | None" = None) -> Array:
-        """Prescribed angular velocity of a shaft.
-
-        Parameters
-        ----------
-        shaft : str
-            Name of the shaft.
-        times : array_like, shape (n,), optional
-            Times [s]; None is the k recorded times.
-
-        Returns
-        -------
-        ndarray, shape (k,) or (n,)
-            Angular velocity about x [rad/s].
-        """
-        return access.spin(self._to_record(), shaft, times)
+    angle = access.angle
+    spin = access.spin
+    rolling = access.rolling
+    mesh = access.mesh
+    contact_shares = access.contact_shares
+    energy_balance = access.energy_balance
 
     def _section_forces(self, at: At, side: Side) -> SectionForces:
         return recorded_forces(self._to_record(), at, side)
@@ -361,56 +322,6 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         """
         return self._at("axial_acceleration", at)  # type: ignore[no-any-return]
 
-    def rolling(self, at: tuple[str, float]) -> BearingMotion:
-        """Time history of a rolling bearing.
-
-        Parameters
-        ----------
-        at : tuple of (str, float)
-            Shaft and position of the bearing [m].
-
-        Returns
-        -------
-        BearingMotion
-            Force, number of loaded elements and largest contact force.
-        """
-        return access.rolling(self._to_record(), at)
-
-    def mesh(self, at: str | tuple[str, str]) -> MeshResponse:
-        """Time history of one mesh.
-
-        Parameters
-        ----------
-        at : tuple of (str, str) or str
-            The two gears, (driver, driven) in either order, or "driver/driven".
-
-        Returns
-        -------
-        MeshResponse
-            Force and deflection, and the geometry of the moving centres.
-        """
-        return access.mesh(self._to_record(), at)
-
-    def contact_shares(self, at: str | tuple[str, str], *, skip_time: float = 0.0) -> ContactShares:
-        """Find the shares of the time with contact of drive flanks, back flanks, both or none.
-
-        The contact changes at the exact times of the events, also between recorded instants.
-
-        Parameters
-        ----------
-        at : tuple of (str, str) or str
-            The mesh, as for `mesh`.
-        skip_time : float
-            Time at the beginning that is ignored [s].
-
-        Returns
-        -------
-        ContactShares
-            The shares between the first and the last recorded time; `ContactShares.lost` is the
-            share without contact of the drive flanks. A mesh without backlash is always in contact.
-        """
-        return access.contact_shares(self._to_record(), at, skip_time)
-
     @property
     def energy(self) -> Array:
         """Kinetic energy of the vibration plus elastic energy of shafts, bearings and meshes.
@@ -418,16 +329,6 @@ class RecordedMotion(AxialMotion[Array, Array], Vibration[Array, Array]):
         The unit is J, the shape (k,).
         """
         return access.energy(self._to_record())
-
-    def energy_balance(self) -> EnergyBalance:
-        """Compare the energies of the system with the work done on it.
-
-        Returns
-        -------
-        EnergyBalance
-            The terms, their sums, and the residual, which is the integration error.
-        """
-        return access.energy_balance(self._to_record())
 
     @property
     def events(self) -> tuple[Event, ...]:

@@ -309,7 +309,6 @@ class Campbell(WithSpeeds, Result, ReadOnly):
         return [f"intersections and stability thresholds, {self._speed_text(self.speeds)}"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each intersection and threshold, from standstill on."""
         rows: list[tuple[Intersection | StabilityThreshold, float, str]] = [
             (one, one.damping_ratio, one.line.name) for one in self.intersections
         ]

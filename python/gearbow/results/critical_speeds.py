@@ -86,7 +86,6 @@ class CriticalSpeedMap(WithSpeeds, Result, ReadOnly):
         return [f"undamped critical speeds of the order {self.order:g}"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each critical speed at each stiffness."""
         counts = [speeds.size for speeds in self.speeds]
         return [
             Column("stiffness", np.repeat(self.stiffnesses, counts), "N/m"),

@@ -91,13 +91,6 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
     The first axis of all values is that of the times.
 
-    Parameters
-    ----------
-    data : mapping
-        Recorded arrays, events, final state and statistics.
-    speed : float or SpeedProfile
-        Speed of the reference shaft [rad/s].
-
     Attributes
     ----------
     speed : float or SpeedProfile
@@ -220,14 +213,14 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Parameters
         ----------
-        sensor : Probe, Accelerometer or Tacho
+        sensor : Probe, Accelerometer, StrainGauge, RingSensor or Tacho
             The sensor.
 
         Returns
         -------
         ndarray, shape (k,) or (n,)
-            Displacement [m] or acceleration [m/s²] at the recorded times, or the times of the n
-            pulses of a tachometer [s].
+            What `measure` of the sensor gives: the signal at the recorded times in its `unit`, or
+            the times of the n pulses of a tachometer [s].
         """
         if not isinstance(sensor, Sensor):
             raise SceneError(

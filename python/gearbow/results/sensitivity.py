@@ -116,7 +116,6 @@ class Sensitivity(WithSpeeds, Result, ReadOnly):
         )
 
     def _columns(self) -> list[Column]:
-        """Give a row for each output and parameter."""
         p, m = self.derivatives.shape
         unit = _UNITS.get(self.kind, self.amplitude_unit)
         values = np.repeat(self.output_values, p)
@@ -308,7 +307,6 @@ class ResponseSensitivity(WithSpeeds, Result, ReadOnly):
         return {"kind": self.kind, "signal": self.label, "parameters": short(self.parameters)}
 
     def _columns(self) -> list[Column]:
-        """Give a row for each largest amplitude and parameter."""
         return self.largest()._columns()
 
     def _heading(self) -> list[str]:

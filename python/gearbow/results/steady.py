@@ -87,15 +87,6 @@ def instability(values: ComplexArray) -> str | None:
 class SteadyState(WithSpeeds, Stored):
     """The motion that repeats after each period, made by `gearbow.RotorSystem.steady_state`.
 
-    Parameters
-    ----------
-    response : Response
-        One period of the motion.
-    data : mapping
-        Period, residual, number of integrated periods and method.
-    model : Model, optional
-        The system; None builds it from the scene of the response when multipliers are needed.
-
     Attributes
     ----------
     response : Response
@@ -315,13 +306,6 @@ class BranchData:
 
 class Continuation(WithSpeeds, Stored):
     """A branch of steady states, made by `gearbow.RotorSystem.continuation`.
-
-    Parameters
-    ----------
-    signals : Response
-        Minimum, maximum, mean and RMS about it of each signal: four rows for each point.
-    data : BranchData
-        The points.
 
     Attributes
     ----------

@@ -171,7 +171,6 @@ class Stresses(WithSpeeds, Figured, ReadOnly):
         }
 
     def _columns(self) -> list[Column]:
-        """Give a row for each section."""
         mpa = Written("MPa", 1e-6)
 
         def _stress(name: str, values: Array) -> Column:

@@ -145,7 +145,6 @@ class ThermalStability(WithSpeeds, Figured, ReadOnly):
         return [f"{found}unstable at {unstable.size} of {self.speeds.size} speeds, {ends}"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each speed."""
         gain, eigenvalues = self.loop_gain, self.eigenvalues
         return [
             Column("speed", self.speeds, "rad/s", ".6g"),
@@ -203,7 +202,6 @@ class ThermalSpiral(WithSpeeds, Figured, ReadOnly):
         return [f"thermal bow by {place_label(self.at)} at {speed}"]
 
     def _columns(self) -> list[Column]:
-        """Give a row for each instant."""
         written = in_micrometres()
         return [
             Column("time", self.time, "s", ".4g"),
