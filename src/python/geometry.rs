@@ -47,6 +47,9 @@ pub fn shaft_origins(description: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> 
     Ok(scene(description)?.origins)
 }
 
+/// Takes the row of a direction, if the shaft has this motion.
+type Direction = fn(&PlaceRows) -> Option<&Row>;
+
 /// Gives the motion at positions of a shaft, m, as factors (positions, n) of all degrees of freedom, by direction.
 #[pyfunction]
 pub fn shaft_motion<'py>(
@@ -67,7 +70,7 @@ pub fn shaft_motion<'py>(
         };
         table(py, rows.into_iter().flat_map(dense).collect(), found.len(), numbering.len())
     };
-    let directions: [(_, fn(&PlaceRows) -> Option<&Row>, _); 6] = [
+    let directions: [(_, Direction, _); 6] = [
         ("v", |rows| rows.displacement.as_ref().map(|[v, _]| v), 1.0),
         ("w", |rows| rows.displacement.as_ref().map(|[_, w]| w), 1.0),
         ("G", |rows| rows.rotation.as_ref().map(|[gamma, _]| gamma), 1.0),

@@ -1,4 +1,4 @@
-"""What follows from the parts alone: positions at rest, frequencies, excitations, assumptions.
+"""What follows from the parts alone: outlines at rest, frequencies, excitations, assumptions.
 
 A shaft at the speed r_s Ω excites the harmonics n |r_s|. A mesh excites the harmonics m z |r_s| of
 its tooth frequency. A shaft modulates the mesh force; this gives the sidebands m z |r| ± n |r_s|

@@ -85,6 +85,28 @@ def test_a_clamped_cone_has_the_frequencies_of_many_steps(shear: bool):
     np.testing.assert_allclose(clamped([coarse], 1)[:1], expected[:1], rtol=1e-4)
 
 
+@pytest.mark.parametrize("shear", [True, False])
+def test_the_motion_within_a_long_cone_is_that_of_many_short_ones(shear: bool):
+    # Static solutions are the shape functions, so that a load at a node leaves no error between.
+    def deflected(elements):
+        cone = gb.Segment(LENGTH, 0.06, elements=elements, end_outer_diameter=0.02)
+        system = gb.RotorSystem(
+            [gb.Shaft("s", segments=[cone], shear=shear, degree=1)],
+            bearings=[gb.Bearing("s", 0.0, stiffness=1e9, tilting_stiffness=1e7)],
+            disks=[gb.Disk("end", "s", LENGTH, 0.0, 0.0, 0.0)],
+            forces=[gb.Force("end", (300.0, 500.0))],
+            torques=[gb.Torque("end", 200.0)],
+            drives=[gb.Drive(("s", 0.0), 1e6)],
+            motion="coupled",
+        )
+        found = system.static()
+        # 0.3 and 0.8 of the length are nodes of many elements only.
+        places = [("s", share * LENGTH) for share in (0.3, 0.8)]
+        return [[*found.displacement(at), found.twist(at)] for at in places]
+
+    np.testing.assert_allclose(deflected(1), deflected(10), rtol=1e-9)
+
+
 # The round-off of a sharp tip stays below the digits of the published number.
 @pytest.mark.filterwarnings("ignore:natural frequencies range")
 def test_a_cantilever_cone_bends_as_the_closed_form_of_mabie_and_rogers():
