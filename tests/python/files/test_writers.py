@@ -101,7 +101,7 @@ WRITERS: dict[str, dict[str, Callable[[Path], Any]]] = {
         "curves.uff": lambda path: response().save(path),
         "modes.uff": lambda path: rotor().modes(count=2).save(path),
     },
-    "results.frequency_response._write": {
+    "results.frequency_response._save_own": {
         "curves.mat": lambda path: response().save(path),
     },
     "recording.container.save": {
