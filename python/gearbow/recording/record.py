@@ -353,17 +353,9 @@ class MeshResponse(ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> shafts = [gb.Shaft(name, length=0.5, outer_diameter=0.05) for name in ("input", "output")]
-    >>> pinion = gb.Gear("pinion", "input", 0.25, teeth=25, module=3e-3, face_width=0.03)
-    >>> wheel = gb.Gear("wheel", "output", 0.25, teeth=50, module=3e-3, face_width=0.03)
-    >>> mesh = gb.Mesh("pinion", "wheel", stiffness=2e8)
-    >>> places = [(shaft.name, x) for shaft in shafts for x in (0.0, 0.5)]
-    >>> bearings = [gb.Bearing(name, x, stiffness=1e8) for name, x in places]
-    >>> torques = [gb.Torque("pinion", 250.0), gb.Torque.balance("wheel")]
-    >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
-    >>> mesh = system.simulate(1e-3, 100.0).mesh(("pinion", "wheel"))
-    >>> print(f"{mesh.force.mean():.0f} N")
-    7095 N
+    >>> run = gb.examples()["geared_pair"].load().simulate(1e-3, 100.0)
+    >>> print(f"{run.mesh('pinion/wheel').force.mean():.0f} N")
+    1429 N
     """
 
     deflection: Array
@@ -404,9 +396,7 @@ class Statistics(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=2)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> run = gb.RotorSystem([rotor], bearings=bearings).simulate(0.01, 100.0, record=[])
+    >>> run = gb.examples()["bowed_rotor"].load().simulate(0.01, 100.0, record=[])
     >>> isinstance(run.statistics, gb.results.Statistics), run.statistics.events
     (True, 0)
     """

@@ -65,13 +65,10 @@ class RatedBearing(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> bearings = [gb.RollingBearing("rotor", x, "6208") for x in (0.0, 0.5)]
-    >>> shaft = gb.Shaft("rotor", length=0.5, outer_diameter=0.04)
-    >>> force = gb.Force(("rotor", 0.25), -4000j)
-    >>> system = gb.RotorSystem([shaft], bearings=bearings, forces=[force])
-    >>> one = system.bearing_life(157.08).bearing(("rotor", 0.0))
+    >>> system = gb.examples()["coaxial_reducer"].load()
+    >>> one = system.bearing_life(129.22).bearing(("input", 0.065))
     >>> f"C {one.dynamic_rating / 1e3:.1f} kN, {one.rating}; {one.hours:.0f} h"
-    'C 32.5 kN, catalogue; 47678 h'
+    'C 35.1 kN, computed; 3075 h'
     """
 
     at: tuple[str, float]

@@ -85,14 +85,11 @@ class BowLimits(WithSpeeds, Figured, ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> bow = gb.Bow.half_sine(3e-5)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=bow)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e9) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
-    >>> probe = gb.BowLimit.displacement(("rotor", 0.5), 100e-6)
-    >>> found = system.bow_limits("rotor", 1.0, limits=[probe])
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> probe = gb.BowLimit.displacement("disk", 100e-6)
+    >>> found = system.bow_limits("rotor", gb.rpm(1000), limits=[probe])
     >>> f"{1e6 * found.deciding.bow:.1f} µm"
-    '50.0 µm'
+    '49.6 µm'
     """
 
     shafts: tuple[str, ...]

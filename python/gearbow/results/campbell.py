@@ -114,10 +114,8 @@ class ExcitationLine(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> system.campbell([0.0, 1000.0], count=2).lines[0].name
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> system.campbell([0.0, 500.0], count=2).lines[0].name
     '1× rotor'
     """
 
@@ -154,12 +152,10 @@ class Intersection(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> first = system.campbell([0.0, 1000.0], count=2).criticals[0]
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> first = system.campbell([0.0, 500.0], count=2).criticals[0]
     >>> print(f"{first.speed:.0f} rad/s {first.whirl}")
-    623 rad/s backward
+    278 rad/s backward
     """
 
     mode: int
@@ -201,17 +197,12 @@ class Campbell(WithSpeeds, Result, ReadOnly):
 
     Examples
     --------
-    >>> import numpy as np
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e7) for x in (0.0, 1.0)]
-    >>> disk = gb.Disk("disk", "rotor", 0.3, mass=20.0, diametral_inertia=0.3, polar_inertia=0.6)
-    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings, disks=[disk])
-    >>> campbell = system.campbell(np.linspace(0.0, 700.0, 15), count=4)
-    >>> for intersection in campbell.criticals:
-    ...     print(f"{intersection.speed:.1f} rad/s {intersection.whirl}")
-    324.7 rad/s backward
-    341.1 rad/s forward
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> for one in system.campbell([0.0, 200.0, 400.0], count=2).criticals:
+    ...     print(f"{one.speed:.1f} rad/s {one.whirl}")
+    278.2 rad/s backward
+    279.5 rad/s forward
     """
 
     speeds: Array

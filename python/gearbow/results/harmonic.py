@@ -258,16 +258,11 @@ class FrequencyComparison(Figured, ReadOnly):
     --------
     >>> import numpy as np
     >>> import gearbow as gb
-    >>> system = gb.RotorSystem(
-    ...     shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05)],
-    ...     bearings=[gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)],
-    ... )
+    >>> system = gb.examples()["bowed_rotor"].load()
     >>> frequencies = np.linspace(100.0, 1000.0, 50)
-    >>> force = gb.Force(("rotor", 0.5), 1.0)
-    >>> response = system.frequency_response(frequencies, source=force)
-    >>> at = ("rotor", 0.5)
-    >>> values = response.displacement(at)[:, 0, 0]
-    >>> curve = gb.results.MeasuredCurve(at, "y", "displacement", frequencies, values)
+    >>> response = system.frequency_response(frequencies, source=gb.Force("disk", 1.0))
+    >>> values = response.displacement("disk")[:, 0, 0]
+    >>> curve = gb.results.MeasuredCurve("disk", "y", "displacement", frequencies, values)
     >>> print(f"{response.compare([curve]).frac[0]:.3f}")
     1.000
     """

@@ -53,10 +53,8 @@ class ModeComparison(Figured, ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=(1e7, 2e7)) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> modes = gb.RotorSystem([rotor], bearings=bearings, motion="lateral").modes(count=2)
-    >>> places = (("rotor", 0.0), ("rotor", 0.5))
+    >>> modes = gb.examples()["bowed_rotor"].load().modes(count=2)
+    >>> places = ("disk", ("rotor", 0.1))
     >>> shapes = modes.shapes_at(places)
     >>> found = modes.compare(gb.results.MeasuredShapes(places, modes.frequencies_hz, shapes))
     >>> found.mac.round(6)
@@ -143,10 +141,7 @@ class Modes(WithSpeeds, Result, ReadOnly, Motion[ComplexArray, ComplexArray]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> modes = gb.RotorSystem(shafts=[rotor], bearings=bearings).modes(speed=300.0, count=2)
-    >>> modes.whirl
+    >>> gb.examples()["bowed_rotor"].load().modes(speed=300.0, count=2).whirl
     ('backward', 'forward')
     """
 

@@ -184,15 +184,12 @@ class Peaks(WithSpeeds, Figured, ReadOnly, Sequence[Peak]):
     --------
     >>> import numpy as np
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
-    >>> disk = gb.Disk("disk", "rotor", 0.5, mass=50.0, diametral_inertia=0.5, polar_inertia=1.0)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e5) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
+    >>> system = gb.examples()["bowed_rotor"].load()
     >>> response = system.synchronous(np.linspace(10.0, 400.0, 60))
-    >>> print(response.peaks("disk", operating=300.0))
-    peaks of disk, excited by rotor; operating speed 300 rad/s
+    >>> print(response.peaks("disk", operating=400.0))
+    peaks of disk, excited by rotor; operating speed 400 rad/s
     speed [rad/s]  amplitude [µm]  amplification factor  margin [%]  required margin [%]  verdict
-           227.90           28700                 286.5       24.03                16.94  acceptable
+           279.49            7080                 750.3       30.13                16.98  acceptable
     """
 
     peaks: tuple[Peak, ...]

@@ -205,10 +205,8 @@ class Discretisation(Shown):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> system.discretisation.shafts["rotor"].degree > 1
+    >>> elements = gb.examples()["bowed_rotor"].load().discretisation
+    >>> elements.shafts["rotor"].degree > 1
     True
     """
 

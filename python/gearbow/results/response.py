@@ -109,14 +109,10 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
     Examples
     --------
     >>> import gearbow as gb
-    >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
-    >>> middle = ("rotor", 0.5)
-    >>> options = {"speed": 100.0, "output_step": 1e-3, "record": [middle]}
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> options = {"speed": 100.0, "output_step": 1e-3, "record": ["disk"]}
     >>> response = system.simulate(0.1, **options)
-    >>> response.displacement(middle).shape
+    >>> response.displacement("disk").shape
     (101, 2)
     >>> further = system.simulate(0.1, initial=response, **options)
     >>> print(f"{further.time[0]:g} s to {further.time[-1]:g} s")

@@ -344,18 +344,13 @@ class Efficiency(WithSpeeds, Figured, ReadOnly):
 
     Examples
     --------
+    >>> from dataclasses import replace
     >>> import gearbow as gb
-    >>> shafts = [gb.Shaft(name, length=0.2, outer_diameter=0.05) for name in ("input", "output")]
-    >>> pinion = gb.Gear("pinion", "input", 0.1, teeth=25, module=3e-3, face_width=0.03)
-    >>> wheel = gb.Gear("wheel", "output", 0.1, teeth=50, module=3e-3, face_width=0.03)
-    >>> mesh = gb.Mesh("pinion", "wheel", friction=0.05)
-    >>> places = [(shaft.name, x) for shaft in shafts for x in (0.0, 0.2)]
-    >>> bearings = [gb.Bearing(name, x, stiffness=1e9) for name, x in places]
-    >>> torques = [gb.Torque("pinion", 100.0), gb.Torque.balance("wheel")]
-    >>> system = gb.RotorSystem(shafts, [pinion, wheel], [mesh], bearings, torques)
-    >>> found = system.efficiency(314.16)
+    >>> system = gb.examples()["geared_pair"].load()
+    >>> rough = system.replace(meshes=[replace(system.meshes[0], friction=0.05)])
+    >>> found = rough.efficiency(gb.rpm(1500))
     >>> print(f"{100 * found.efficiency[0]:.2f} %, H_v = {found.loss_factor[0, 0]:.4f}")
-    99.31 %, H_v = 0.1386
+    99.48 %, H_v = 0.1040
     """
 
     meshes: tuple[tuple[str, str], ...]

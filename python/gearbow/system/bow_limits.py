@@ -85,25 +85,14 @@ def bow_limits(
 
     Examples
     --------
+    >>> from dataclasses import replace
     >>> import gearbow as gb
-    >>> shafts = [gb.Shaft(name, length=0.4, outer_diameter=0.06) for name in ("input", "output")]
-    >>> tooth = {"position": 0.2, "module": 3e-3, "face_width": 0.03}
-    >>> pair = (("g1", "input", 25), ("g2", "output", 50))
-    >>> gears = [gb.Gear(name, shaft, teeth=z, **tooth) for name, shaft, z in pair]
-    >>> system = gb.RotorSystem(
-    ...     shafts=shafts,
-    ...     gears=gears,
-    ...     meshes=[gb.Mesh("g1", "g2", backlash=1e-4)],
-    ...     bearings=[
-    ...         gb.Bearing(shaft, x, stiffness=2e8, damping=1e3)
-    ...         for shaft in ("input", "output")
-    ...         for x in (0.0, 0.4)
-    ...     ],
-    ... )
-    >>> for one in system.bow_limits("input", 10.0).limits[:2]:
+    >>> system = gb.examples()["geared_pair"].load()
+    >>> loose = system.replace(meshes=[replace(system.meshes[0], backlash=2e-4)])
+    >>> for one in loose.bow_limits("rotor 1", 10.0).limits[:2]:
     ...     print(f"{one.limit} {one.at}: {1e6 * one.bow:.0f} µm")
-    backlash used up g1/g2: 147 µm
-    tips touch roots g1/g2: 750 µm
+    backlash used up pinion/wheel: 2047 µm
+    tips touch roots pinion/wheel: 5314 µm
     """
     speeds = np.atleast_1d(array(speed, "speed"))
     names, bows, present = _bows(self, shaft, shape)

@@ -77,19 +77,12 @@ def frequency_response(
 
     >>> import numpy as np
     >>> import gearbow as gb
-    >>> shafts = [gb.Shaft(name, length=0.3, outer_diameter=0.04) for name in ("in", "out")]
-    >>> gears = [
-    ...     gb.Gear("pinion", "in", 0.1, teeth=20, module=3e-3, face_width=0.03),
-    ...     gb.Gear("wheel", "out", 0.1, teeth=40, module=3e-3, face_width=0.03),
-    ... ]
-    >>> bearings = [gb.Bearing(s, x, stiffness=2e8) for s in ("in", "out") for x in (0.0, 0.3)]
-    >>> mesh = gb.Mesh("pinion", "wheel", stiffness=3e8, damping_ratio=0.05)
-    >>> train = gb.RotorSystem(shafts, gears, [mesh], bearings, modal_damping=0.02)
+    >>> system = gb.examples()["geared_pair"].load()
     >>> error = gb.MeshExcitation("pinion/wheel", 1e-6)
-    >>> response = train.frequency_response([2000.0, 6000.0], source=error, speed=100.0)
-    >>> np.abs(response.bearing_force(("in", 0.0))[:, 0]).round(1)
-    array([[0.9, 2.5],
-           [3. , 8.1]])
+    >>> response = system.frequency_response([2000.0, 6000.0], source=error, speed=100.0)
+    >>> np.abs(response.bearing_force(("rotor 2", 0.3))[:, 0]).round(1)
+    array([[ 6.1, 56.9],
+           [ 0.8,  4.2]])
     """
     at, shaft_speeds, axes = _pairs(frequencies, speed, order, speeds)
     plain, labels = plain_sources(source)

@@ -61,11 +61,9 @@ def plot(  # numpydoc ignore=PR01
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> figure = gb.RotorSystem(shafts=[rotor], bearings=bearings).plot()
+    >>> figure = gb.examples()["bowed_rotor"].load().plot()
     >>> [panel.get_title() for panel in figure.axes]
-    ['side view, bow × 50', 'end view, seen along −x']
+    ['side view, bow × 200', 'end view, seen along −x']
     """
     with extra("plot"):
         from gearbow.plotting import train as figures  # noqa: PLC0415

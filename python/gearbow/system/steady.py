@@ -216,11 +216,8 @@ def steady_state(
     Examples
     --------
     >>> import gearbow as gb
-    >>> bow = gb.Bow.half_sine(1e-4)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4, bow=bow)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
-    >>> steady = system.steady_state(100.0, record=[("rotor", 0.5)])
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> steady = system.steady_state(100.0, record=["disk"])
     >>> steady.instability() is None
     True
     """

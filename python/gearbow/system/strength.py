@@ -160,12 +160,9 @@ def bearing_life(
     Examples
     --------
     >>> import gearbow as gb
-    >>> shaft = gb.Shaft("rotor", length=0.5, outer_diameter=0.04)
-    >>> bearings = [gb.RollingBearing("rotor", x, "6208") for x in (0.0, 0.5)]
-    >>> force = gb.Force(("rotor", 0.25), -4000j)
-    >>> system = gb.RotorSystem([shaft], bearings=bearings, forces=[force])
-    >>> print(f"{system.bearing_life(157.08).shortest.hours:.0f} h")
-    47678 h
+    >>> system = gb.examples()["coaxial_reducer"].load()
+    >>> print(f"{system.bearing_life(129.22).shortest.hours:.0f} h")
+    3075 h
     """
     if (speed is None) == (spectrum is None):
         raise SceneError("speed: give either a speed or a spectrum")
