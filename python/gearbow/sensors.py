@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from gearbow._convert import (
     array,
     complex_number,
+    items,
     number,
     one_of,
     positive,
+    shown,
     text,
     truth,
     whole,
@@ -86,6 +88,18 @@ class SignalSensor(Sensor):
             axial sensor measures a system without axial motion.
         """
         return self._measured(recorded_run(recording, "recording"))
+
+
+def signal_sensors(given: object, path: str) -> list[SignalSensor]:
+    """Check a list of sensors with a signal."""
+    found = items(given, path, "sensors")
+    for i, sensor in enumerate(found):
+        if not isinstance(sensor, SignalSensor):
+            raise SceneError(
+                f"{path}[{i}]: must be a Probe, Accelerometer, StrainGauge or RingSensor, got "
+                f"{shown(sensor)}"
+            )
+    return found
 
 
 def degrees_text(angle: float) -> str:

@@ -148,12 +148,6 @@ class Sleeve(Part):
     material: Material = STEEL
     stiffness: str | float = "none"
 
-    @property
-    def _fraction(self) -> float:
-        """Give the fraction of its stiffness that acts."""
-        words = {"none": 0.0, "full": 1.0}
-        return words[self.stiffness] if isinstance(self.stiffness, str) else float(self.stiffness)
-
 
 @dataclass(frozen=True)
 class Notch(Part):

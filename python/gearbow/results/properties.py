@@ -218,28 +218,13 @@ class Discretisation(Shown):
     highest_frequency_hz: float | None = None
 
     @classmethod
-    def of(
+    def _of(
         cls,
         description: Mapping[str, Plain],
         choice: tuple[str, float, float, float] | None,
         coordinates: int,
     ) -> "Discretisation":
-        """Collect the elements of a system.
-
-        Parameters
-        ----------
-        description : mapping
-            The scene as plain data, with numbers and degrees.
-        choice : tuple or None
-            Level, expected error, permitted error, and highest frequency [rad/s].
-        coordinates : int
-            Number of degrees of freedom.
-
-        Returns
-        -------
-        Discretisation
-            The elements.
-        """
+        """Collect the elements of a plain scene; `choice` has level, errors and frequency."""
         shafts = {}
         for shaft in description["shafts"]:
             parts = shaft.get("segments", [shaft])

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gearbow._convert import items, number, shown
+from gearbow._convert import number, shown
 from gearbow._progress import working
 from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import ReadOnly, read_only, span
-from gearbow._types import Array, Record, RunData, SignalQuantity, StrengthLine, Window
+from gearbow._types import Array, Record, RunData, SignalQuantity, Window
 from gearbow.accuracy import estimate_errors
-from gearbow.description.part import parts
-from gearbow.description.shafts import Notch
 from gearbow.description.speed import SpeedProfile
 from gearbow.errors import SceneError
 from gearbow.orders.fit import Orders, orders
@@ -23,8 +21,8 @@ from gearbow.recording.channels import resampled
 from gearbow.recording.record import Errors, RunRecord, Statistics
 from gearbow.results.at_places import RecordedMotion
 from gearbow.results.run_figures import animate, plot
-from gearbow.results.stresses import Stresses, recorded_stresses
-from gearbow.sensors import Sensor, SignalSensor
+from gearbow.results.stresses import stresses
+from gearbow.sensors import Sensor, SignalSensor, signal_sensors
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -370,50 +368,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
         """
         return Response._from_record(resampled(self._to_record(), rate, shaft))
 
-    def stresses(
-        self,
-        *,
-        endurance_limit: float | Mapping[str, float] | None = None,
-        tensile_strength: float | Mapping[str, float] | None = None,
-        line: StrengthLine = "goodman",
-        notches: Sequence[Notch] | None = None,
-        skip_time: float = 0.0,
-    ) -> Stresses:
-        """Find mean and alternating stresses of the turning shafts from recorded section forces.
-
-        The mean is the middle between the largest and the smallest stress of each fibre, the
-        amplitude half of their difference. `section_forces` has the series for a count of cycles.
-
-        Parameters
-        ----------
-        endurance_limit : float or mapping, optional
-            Amplitude that a smooth specimen endures [Pa], as for `gearbow.RotorSystem.stresses`.
-        tensile_strength : float or mapping, optional
-            Tensile strength of the material [Pa].
-        line : {"goodman", "din743"}
-            How a mean stress lowers the endured amplitude.
-        notches : sequence of Notch, optional
-            Notches in place of those of the system.
-        skip_time : float
-            Time at the beginning that is ignored [s].
-
-        Returns
-        -------
-        Stresses
-            Stresses at the worst fibre of each recorded section.
-
-        Raises
-        ------
-        GearbowError
-            If the response does not know its system, or an argument is invalid.
-        """
-        strength = {
-            "endurance_limit": endurance_limit,
-            "tensile_strength": tensile_strength,
-            "line": line,
-        }
-        given = None if notches is None else parts(notches, Notch, "notches")
-        return recorded_stresses(self._to_record(), strength, given, number(skip_time, "skip_time"))
+    stresses = stresses
 
     plot = plot
 
@@ -424,7 +379,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
 
         Parameters
         ----------
-        sensors : sequence of Probe or Accelerometer
+        sensors : sequence of Probe, Accelerometer, StrainGauge or RingSensor
             Sensors whose signals are added.
 
         Returns
@@ -433,11 +388,7 @@ class Response(WithSpeeds, Stored, ReadOnly, RecordedMotion):
             Rows by time [s]; columns with their unit, e.g. "g1 y [m]", "g1/g2 force [N]".
         """
         table = super().to_dataframe()
-        for i, sensor in enumerate(items(sensors, "sensors", "sensors")):
-            if not isinstance(sensor, SignalSensor):
-                raise SceneError(
-                    f"sensors[{i}]: must be a Probe or an Accelerometer, got {shown(sensor)}"
-                )
+        for sensor in signal_sensors(sensors, "sensors"):
             found = channel(self._to_record(), sensor)
             table[f"{found.label} [{found.unit}]"] = found.values
         return table

@@ -19,7 +19,6 @@ from gearbow._types import (
     ComplexArray,
     Record,
     RunData,
-    RunFigure,
     Side,
     SignalQuantity,
     Statistic,
@@ -41,6 +40,7 @@ from gearbow.recording.container import (
 )
 from gearbow.recording.record import RunRecord
 from gearbow.results.response import Response, Stored
+from gearbow.results.run_figures import plot
 from gearbow.results.section_forces import SectionForces
 from gearbow.units.speed import SpeedUnit
 
@@ -217,24 +217,11 @@ class SteadyState(WithSpeeds, Stored):
             return None
         return instability(self.multipliers())
 
-    def plot(self, kind: RunFigure = "orbits", at: Any = None, *, ax: Any = None) -> "Figure":
-        """Draw recorded signals over one period, as `Response.plot`.
+    plot = plot
 
-        Parameters
-        ----------
-        kind : str
-            Kind of the figure, for example "orbits" or "mesh".
-        at : str, tuple or sequence of them, optional
-            Places or meshes; None is all.
-        ax : Axes or sequence of Axes, optional
-            One panel for each place, for a mesh three; None makes a new figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The figure. It is neither shown nor saved.
-        """
-        return self.response.plot(kind, at, ax=ax)
+    def _to_record(self) -> RunRecord:
+        """Give the recorded period as plain data."""
+        return self.response._to_record()
 
     def _stored(self) -> tuple[RunRecord, dict[str, Any]]:
         found = self._multipliers
@@ -245,7 +232,7 @@ class SteadyState(WithSpeeds, Stored):
             "method": self.method,
             "multipliers": None if found is None else [[z.real, z.imag] for z in found.tolist()],
         }
-        return self.response._to_record(), {"steady": steady}
+        return self._to_record(), {"steady": steady}
 
     @classmethod
     def _restored(cls, run: RunRecord, about: dict[str, Any], path: Any) -> "SteadyState":

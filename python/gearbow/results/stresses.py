@@ -12,10 +12,12 @@ from gearbow._result import Column, Figured, WithSpeeds, Written
 from gearbow._shown import ReadOnly
 from gearbow._times import begin_after
 from gearbow._types import Array, ComplexArray, Section, StrengthLine
+from gearbow.description.part import parts
 from gearbow.description.shafts import Notch
+from gearbow.description.train import parts_of
 from gearbow.errors import SceneError
 from gearbow.recording import access
-from gearbow.recording.record import RunRecord
+from gearbow.recording.record import Recorded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -337,15 +339,50 @@ def equivalent(
     return amplitude, mean, strength.utilisation(shaft, amplitude, mean, notch)
 
 
-def recorded_stresses(
-    run: RunRecord, strength: Mapping[str, Any], notches: Sequence[Notch] | None, skip_time: float
+def stresses(
+    self: Recorded,
+    *,
+    endurance_limit: float | Mapping[str, float] | None = None,
+    tensile_strength: float | Mapping[str, float] | None = None,
+    line: StrengthLine = "goodman",
+    notches: Sequence[Notch] | None = None,
+    skip_time: float = 0.0,
 ) -> Stresses:
-    """Give the stresses of recorded section forces after a time."""
+    """Find mean and alternating stresses of the turning shafts from recorded section forces.
+
+    The mean is the middle between the largest and the smallest stress of each fibre, the
+    amplitude half of their difference. `section_forces` has the series for a count of cycles.
+
+    Parameters
+    ----------
+    endurance_limit : float or mapping, optional
+        Amplitude that a smooth specimen endures [Pa], as for `gearbow.RotorSystem.stresses`.
+    tensile_strength : float or mapping, optional
+        Tensile strength of the material [Pa].
+    line : {"goodman", "din743"}
+        How a mean stress lowers the endured amplitude.
+    notches : sequence of Notch, optional
+        Notches in place of those of the system.
+    skip_time : float
+        Time at the beginning that is ignored [s].
+
+    Returns
+    -------
+    Stresses
+        Stresses at the worst fibre of each recorded section.
+
+    Raises
+    ------
+    GearbowError
+        If the response does not know its system, or an argument is invalid.
+    """
+    run = self._to_record()
     description = run.asked("stresses").description
-    wanted = Strength.of([shaft["name"] for shaft in description["shafts"]], **strength)
+    names = [shaft["name"] for shaft in description["shafts"]]
+    strength = Strength.of(names, endurance_limit, tensile_strength, line)
     shafts = run.recorded_shafts
-    given = description.get("notches", ()) if notches is None else ()
-    marked = [Notch._from_description(one) for one in given] if notches is None else notches
+    own = parts_of({"notches": description.get("notches", ())})["notches"]
+    marked = own if notches is None else parts(notches, Notch, "notches")
     begin = int(np.searchsorted(run.time, begin_after(run.time, skip_time)))
     model, found = Model(dict(description)), []
     for shaft in shafts:
@@ -357,7 +394,7 @@ def recorded_stresses(
             (section, known[section], of_series(forces[begin:, k], angle, known[section]))
             for k, section in enumerate(sections)
         ]
-    return collect(found, marked, wanted, ())
+    return collect(found, marked, strength, ())
 
 
 def collect(

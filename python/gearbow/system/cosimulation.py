@@ -17,7 +17,7 @@ from gearbow.errors import AccuracyWarning, SceneError, SceneWarning
 from gearbow.orders.spectrum import channel
 from gearbow.recording import channels
 from gearbow.results.response import Response
-from gearbow.sensors import SignalSensor
+from gearbow.sensors import SignalSensor, signal_sensors
 
 #: Steps after which the profile of the speed begins again, so that a step takes the same time after
 #: any number of steps. The run then goes on from the state at this time, to within the tolerance.
@@ -57,13 +57,7 @@ class Interface:
         for i, at in enumerate(found):
             if at in found[:i]:
                 raise SceneError(f"torque_inputs[{i}]: {shown(at)} is given twice")
-        given = tuple(items(sensors, "sensors", "sensors"))
-        for i, sensor in enumerate(given):
-            if not isinstance(sensor, SignalSensor):
-                raise SceneError(
-                    f"sensors[{i}]: must be a Probe, Accelerometer, StrainGauge or RingSensor, got "
-                    f"{shown(sensor)}"
-                )
+        given = tuple(signal_sensors(sensors, "sensors"))
         recorded = None if record is None else items(record, "record", "names or tuples")
         limits = None if speed_input is None else _limits(speed_input, own)
         return cls(own, found, limits, recorded, given, **options)

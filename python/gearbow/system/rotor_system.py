@@ -641,7 +641,7 @@ class RotorSystem(CheckedKeywords, Shown):
         >>> system.discretisation.expected_error < 1e-3
         True
         """
-        return Discretisation.of(self._model.resolved(), self._model.choice, len(self.dofs))
+        return Discretisation._of(self._model.resolved(), self._model.choice, len(self.dofs))
 
     @property
     def speed_ratios(self) -> Array:
