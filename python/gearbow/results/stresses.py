@@ -380,10 +380,10 @@ def stresses(
     description = run.asked("stresses").description
     names = [shaft["name"] for shaft in description["shafts"]]
     strength = Strength.of(names, endurance_limit, tensile_strength, line)
-    shafts = run.recorded_shafts
     own = parts_of({"notches": description.get("notches", ())})["notches"]
     marked = own if notches is None else parts(notches, Notch, "notches")
     begin = int(np.searchsorted(run.time, begin_after(run.time, skip_time)))
+    shafts = run.recorded_shafts
     model, found = Model(dict(description)), []
     for shaft in shafts:
         sections, forces = access.section_forces(run, shaft)
