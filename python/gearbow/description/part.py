@@ -173,7 +173,9 @@ def _read_named(value: object, kind: Any, path: str) -> dict[str, Plain]:
 def _read_place(value: object, forms: Sequence[tuple[Any, ...]], path: str) -> list[Plain]:
     """Convert (shaft, position) or (housing, interface) to the entries of one of the forms."""
     if not isinstance(value, tuple | list) or len(value) != len(forms[0]):
-        raise SceneError(f"{path}: must be a name or (shaft, position), got {shown(value)}")
+        raise SceneError(
+            f"{path}: must be a name or a tuple such as (shaft, position), got {shown(value)}"
+        )
     is_text = isinstance(value[1], str)
     form = next((one for one in forms if (one[1] is str) == is_text), forms[0])
     pairs = enumerate(zip(value, form, strict=True))

@@ -330,7 +330,7 @@ def test_files_keep_the_bearing(tmp_path):
         ({"support": ("middle", 0.25)}, "no shaft is called .middle."),
         ({"support": ("inner", 3.0)}, "bearings.2..support"),
         ({"support": ("inner", 0.3)}, "bearings.3..support: is 0.05"),
-        ({"support": ("inner",)}, "must be a tuple"),
+        ({"support": ("inner",)}, "must be a name or a tuple"),
         ({"support": "inner"}, "give .shaft, position. for a bearing on another shaft"),
     ],
 )
