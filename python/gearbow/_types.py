@@ -179,15 +179,9 @@ class CampbellData(TypedDict):
 
     eigenvalues: ComplexArray
     whirl: list[list[str]]
-    lines: list[tuple[str, list[str], int]]
-    orders: Array
-    intersection_modes: list[int]
-    intersection_lines: list[int]
-    intersection_speeds: Array
-    intersection_eigenvalues: ComplexArray
-    intersection_whirl: list[str]
-    intersection_residuals: Array
-    thresholds: list[tuple[int, float, float, str, bool, float]]
+    lines: list[dict[str, Any]]
+    intersections: list[dict[str, Any]]
+    thresholds: list[dict[str, Any]]
 
 
 class NullVectors(TypedDict):
@@ -216,6 +210,7 @@ class HarmonicData(TypedDict):
     residuals: Array
     bearings: list[tuple[str, float]]
     bearing_force: ComplexArray
+    bearing_displacement: ComplexArray
     meshes: list[tuple[str, str]]
     mesh_force: ComplexArray
 

@@ -253,6 +253,12 @@ impl HarmonicForces<'_> {
         })
     }
 
+    /// Phasors along (y, z) of the displacement of the shaft relative to what the bearing at a node stands on, m.
+    pub fn in_bearing(&self, node: Node) -> [Complex64; 2] {
+        let rows = self.model.bearing_displacement(node);
+        rows.map_or([Complex64::ZERO; 2], |rows| rows.map(|row| product(&row, self.phasors)))
+    }
+
     /// Row of the force of a mesh normal to the teeth over the phasors, N/m.
     pub(super) fn mesh_row(&self, mesh: usize) -> Vec<(usize, Complex64)> {
         let (row, stiffness) = self.normal_force(mesh);

@@ -18,8 +18,8 @@ mod undamped;
 
 pub use cache::{AtSpeed, CachedModel, DynamicKey, DynamicStiffnessSolver, EquationForces, Recent, Solved};
 pub use damped::{
-    CriticalProblem, MIN_CORRELATION, Mode, NullVectors, Residual, Residuals, Whirl, modes, modes_of, residual,
-    structured_modes, whirl,
+    CriticalProblem, MIN_CORRELATION, Mode, NullVectors, Residual, Residuals, Whirl, damping_ratio, modes, modes_of,
+    residual, structured_modes, whirl,
 };
 pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{

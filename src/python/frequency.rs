@@ -1,5 +1,7 @@
 //! Frequency-domain analyses for Python: Campbell diagrams, critical speeds, synchronous response, peaks.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Complex;
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -56,41 +58,94 @@ pub fn campbell<'py>(
     })?;
     let modes = found.eigenvalues.first().map_or(0, Vec::len);
     let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let line = |line: &analysis::ExcitationLine| match line.source {
-        ExcitationSource::Shaft(shaft) => {
-            ("shaft", vec![model.cached.model.scene.shafts[shaft].name.as_str()], line.harmonic)
-        }
-        ExcitationSource::Mesh(mesh) => ("mesh", model.cached.model.gear_names(mesh).to_vec(), line.harmonic),
-    };
-    let intersections = &found.intersections;
-    let list = |of: fn(&analysis::Intersection) -> usize| intersections.iter().map(of).collect::<Vec<_>>();
     let dict = PyDict::new(py);
     dict.set_item("eigenvalues", table(py, found.eigenvalues.concat(), rows, modes)?)?;
     dict.set_item("whirl", found.whirl.iter().map(whirl).collect::<Vec<_>>())?;
-    dict.set_item("lines", found.lines.iter().map(line).collect::<Vec<_>>())?;
-    dict.set_item("orders", found.lines.iter().map(|line| line.order).collect::<Vec<_>>().into_pyarray(py))?;
-    dict.set_item("intersection_modes", list(|intersection| intersection.mode))?;
-    dict.set_item("intersection_lines", list(|intersection| intersection.line))?;
-    let at: Vec<_> = intersections.iter().map(|intersection| intersection.speed).collect();
-    let eigenvalues: Vec<_> = intersections.iter().map(|intersection| intersection.eigenvalue).collect();
-    dict.set_item("intersection_speeds", at.into_pyarray(py))?;
-    dict.set_item("intersection_eigenvalues", eigenvalues.into_pyarray(py))?;
-    dict.set_item(
-        "intersection_whirl",
-        intersections.iter().map(|intersection| intersection.whirl.to_string()).collect::<Vec<_>>(),
-    )?;
-    let residuals: Vec<_> = intersections.iter().map(|intersection| intersection.residual).collect();
-    dict.set_item("intersection_residuals", residuals.into_pyarray(py))?;
-    let thresholds: Vec<_> = found.thresholds.iter().map(threshold).collect();
-    dict.set_item("thresholds", thresholds)?;
+    let lines = found.lines.iter().map(|line| LineRow::new(model.model(), line));
+    dict.set_item("lines", lines.collect::<Vec<_>>())?;
+    dict.set_item("intersections", found.intersections.iter().map(IntersectionRow::new).collect::<Vec<_>>())?;
+    dict.set_item("thresholds", found.thresholds.iter().map(ThresholdRow::new).collect::<Vec<_>>())?;
     Ok(dict)
 }
 
-/// Mode, speed [rad/s], frequency [rad/s] and whirl of a stability threshold, whether the mode is unstable above it, and the
-/// residual.
-fn threshold(found: &analysis::Threshold) -> (usize, f64, f64, String, bool, f64) {
-    let whirl = found.whirl.to_string();
-    (found.mode, found.speed, found.eigenvalue.im, whirl, found.is_unstable_above, found.residual)
+/// The fields of an `ExcitationLine` of Python.
+#[derive(IntoPyObject)]
+struct LineRow<'a> {
+    kind: &'static str,
+    source: LineSource<'a>,
+    harmonic: u32,
+    order: f64,
+}
+
+/// The name of a shaft, or of the two gears of a mesh.
+#[derive(IntoPyObject)]
+enum LineSource<'a> {
+    #[pyo3(transparent)]
+    Shaft(&'a str),
+    Mesh(&'a str, &'a str),
+}
+
+impl<'a> LineRow<'a> {
+    fn new(model: &'a Model, line: &analysis::ExcitationLine) -> Self {
+        let (kind, source) = match line.source {
+            ExcitationSource::Shaft(shaft) => ("shaft", LineSource::Shaft(&model.scene.shafts[shaft].name)),
+            ExcitationSource::Mesh(mesh) => {
+                let [driver, driven] = model.gear_names(mesh);
+                ("mesh", LineSource::Mesh(driver, driven))
+            }
+        };
+        Self { kind, source, harmonic: line.harmonic, order: line.order }
+    }
+}
+
+/// The fields of an `Intersection` of Python; of its line the index.
+#[derive(IntoPyObject)]
+struct IntersectionRow {
+    mode: usize,
+    line: usize,
+    speed: f64,
+    frequency_hz: f64,
+    damping_ratio: f64,
+    whirl: String,
+    residual: f64,
+}
+
+impl IntersectionRow {
+    fn new(found: &analysis::Intersection) -> Self {
+        Self {
+            mode: found.mode,
+            line: found.line,
+            speed: found.speed,
+            frequency_hz: found.eigenvalue.im / TAU,
+            damping_ratio: modal::damping_ratio(found.eigenvalue),
+            whirl: found.whirl.to_string(),
+            residual: found.residual,
+        }
+    }
+}
+
+/// The fields of a `StabilityThreshold` of Python.
+#[derive(IntoPyObject)]
+struct ThresholdRow {
+    mode: usize,
+    speed: f64,
+    frequency_hz: f64,
+    whirl: String,
+    above: &'static str,
+    residual: f64,
+}
+
+impl ThresholdRow {
+    fn new(found: &analysis::Threshold) -> Self {
+        Self {
+            mode: found.mode,
+            speed: found.speed,
+            frequency_hz: found.eigenvalue.im / TAU,
+            whirl: found.whirl.to_string(),
+            above: if found.is_unstable_above { "unstable" } else { "stable" },
+            residual: found.residual,
+        }
+    }
 }
 
 /// Names of the types of motion of modes.
@@ -261,6 +316,8 @@ struct HarmonicTable {
     phasors: Vec<Complex<f64>>,
     /// Bearing forces (rows, sources, 2 bearings), N.
     bearing_force: Vec<Complex<f64>>,
+    /// Displacements of shafts relative to what bearings stand on (rows, sources, 2 bearings), m.
+    bearing_displacement: Vec<Complex<f64>>,
     /// Mesh forces (rows, sources, meshes), N.
     mesh_force: Vec<Complex<f64>>,
     /// Largest residual over the sources at each row.
@@ -273,7 +330,7 @@ impl HarmonicTable {
     /// Room for the responses over a list called `argument`.
     fn new(model: &Model, argument: &'static str, rows: usize, sources: usize) -> Result<Self, SceneError> {
         let bearings = model.scene.bearing_nodes();
-        let values = model.len() + 2 * bearings.len() + model.meshes.len();
+        let values = model.len() + 4 * bearings.len() + model.meshes.len();
         let kept = Kept {
             argument,
             what: format!("the response at {rows} {argument} to {sources} sources"),
@@ -291,6 +348,7 @@ impl HarmonicTable {
             sources,
             phasors: room(model.len())?,
             bearing_force: room(2 * bearings.len())?,
+            bearing_displacement: room(2 * bearings.len())?,
             mesh_force: room(model.meshes.len())?,
             residuals: vec![0.0; rows],
             largest: vec![0.0; rows],
@@ -305,6 +363,7 @@ impl HarmonicTable {
             let Some(response) = response else {
                 self.phasors.extend(zeros(model.len()));
                 self.bearing_force.extend(zeros(2 * self.bearings.len()));
+                self.bearing_displacement.extend(zeros(2 * self.bearings.len()));
                 self.mesh_force.extend(zeros(model.meshes.len()));
                 continue;
             };
@@ -315,6 +374,7 @@ impl HarmonicTable {
             self.phasors.extend(model.numbering.to_user_order(phasors));
             let forces = HarmonicForces { model, at: point.at, source: Some(source), phasors };
             self.bearing_force.extend(self.bearings.iter().flat_map(|node| forces.bearing(*node)));
+            self.bearing_displacement.extend(self.bearings.iter().flat_map(|node| forces.in_bearing(*node)));
             self.mesh_force.extend(forces.meshes());
         }
     }
@@ -325,6 +385,8 @@ impl HarmonicTable {
         let dict = PyDict::new(py);
         dict.set_item("phasors", stack(py, self.phasors, rows, sources, assembled.len())?)?;
         dict.set_item("bearing_force", stack(py, self.bearing_force, rows, sources, directions)?)?;
+        let moved = stack(py, self.bearing_displacement, rows, sources, directions)?;
+        dict.set_item("bearing_displacement", moved)?;
         dict.set_item("mesh_force", stack(py, self.mesh_force, rows, sources, meshes)?)?;
         dict.set_item("residuals", self.residuals.into_pyarray(py))?;
         dict.set_item("bearings", self.bearings.iter().map(|node| model.place(*node)).collect::<Vec<_>>())?;

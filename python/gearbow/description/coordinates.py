@@ -81,9 +81,9 @@ class Coordinates(Shown):
             return np.stack(planes, axis=-1)
         if not isinstance(at, str) or at not in self.points:
             return values[..., self.lateral(at)]
-        return self.of_point(values, *self.points[at])
+        return self._of_point(values, *self.points[at])
 
-    def of_point(self, values: Any, housing: str, arm: Sequence[float]) -> Any:
+    def _of_point(self, values: Any, housing: str, arm: Sequence[float]) -> Any:
         """Give the lateral displacement of a point at a distance from the centre of a housing."""
         x, y, z = arm
         moved = values[..., self.lateral(housing)].copy()

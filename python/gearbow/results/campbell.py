@@ -215,50 +215,16 @@ class Campbell(WithSpeeds, Result, ReadOnly):
     @classmethod
     def _from_data(cls, speeds: Array, data: CampbellData) -> "Campbell":
         """Make a diagram of the plain data of the core."""
-        lines = []
-        for (kind, names, harmonic), order in zip(data["lines"], data["orders"], strict=True):
-            source = names[0] if kind == "shaft" else (names[0], names[1])
-            lines.append(ExcitationLine(kind, source, harmonic, float(order)))
-        found = zip(
-            data["intersection_modes"],
-            data["intersection_lines"],
-            data["intersection_speeds"],
-            data["intersection_eigenvalues"],
-            data["intersection_whirl"],
-            data["intersection_residuals"],
-            strict=True,
-        )
-        intersections = tuple(
-            Intersection(
-                mode=mode,
-                line=lines[line],
-                speed=float(speed),
-                frequency_hz=float(value.imag) / (2.0 * np.pi),
-                damping_ratio=float(_ratio(value)),
-                whirl=whirl,
-                residual=float(residual),
-            )
-            for mode, line, speed, value, whirl, residual in found
-        )
-        whirls = np.array(data["whirl"], dtype=np.str_).reshape(data["eigenvalues"].shape)
-        thresholds = tuple(
-            StabilityThreshold(
-                mode,
-                speed,
-                rate / (2.0 * np.pi),
-                whirl,
-                "unstable" if above else "stable",
-                residual,
-            )
-            for mode, speed, rate, whirl, above, residual in data["thresholds"]
-        )
+        lines = tuple(ExcitationLine(**row) for row in data["lines"])
         return cls(
             speeds,
             data["eigenvalues"],
-            whirls,
-            tuple(lines),
-            intersections,
-            thresholds,
+            np.array(data["whirl"], dtype=np.str_).reshape(data["eigenvalues"].shape),
+            lines,
+            tuple(
+                Intersection(**row | {"line": lines[row["line"]]}) for row in data["intersections"]
+            ),
+            tuple(StabilityThreshold(**row) for row in data["thresholds"]),
         )
 
     @property

@@ -94,6 +94,7 @@ class FrequencyResponse(HarmonicResponse):
     _sources: list[dict[str, Plain]] = field(repr=False)
     _bearings: tuple[tuple[str, float], ...] = field(repr=False)
     _bearing_force: ComplexArray = field(repr=False)
+    _bearing_displacement: ComplexArray = field(repr=False)
     _meshes: tuple[tuple[str, str], ...] = field(repr=False)
     _mesh_force: ComplexArray = field(repr=False)
     left_out: tuple[str, ...] = ()

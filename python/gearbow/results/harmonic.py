@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gearbow._convert import one_of, positive
-from gearbow._core import Model, shaft_origins
+from gearbow._core import Model
 from gearbow._result import Column, Figured, Result, WithSpeeds
 from gearbow._shown import ReadOnly, short
 from gearbow._types import Array, At, ComplexArray, Plain, Side
 from gearbow.description.coordinates import Coordinates, time_derivatives
-from gearbow.description.places import Places, housing_and_interface
+from gearbow.description.places import Places
 from gearbow.errors import SceneError
 from gearbow.results.at_places import Vibration
 from gearbow.results.section_forces import Motions, SectionForces, harmonic_forces
@@ -37,6 +37,7 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
     description: Mapping[str, Plain]
     _bearings: tuple[tuple[str, float], ...]
     _bearing_force: ComplexArray
+    _bearing_displacement: ComplexArray
     _meshes: tuple[tuple[str, str], ...]
     _mesh_force: ComplexArray
 
@@ -183,11 +184,13 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
 
     def _at(self, quantity: str, at: Any) -> ComplexArray:
         found: ComplexArray
-        if quantity == "bearing_force":
+        of_bearings = {
+            "bearing_force": self._bearing_force,
+            "bearing_displacement": self._bearing_displacement,
+        }
+        if quantity in of_bearings:
             i = Places.of("bearing", self._bearings).index(at)
-            found = self._bearing_force[..., 2 * i : 2 * i + 2]
-        elif quantity == "bearing_displacement":
-            found = self._in_bearing(at)
+            found = of_bearings[quantity][..., 2 * i : 2 * i + 2]
         elif quantity == "torque":
             found = self.section_forces(at).torque
         else:
@@ -204,33 +207,6 @@ class HarmonicResponse(WithSpeeds, Result, ReadOnly, Vibration[ComplexArray, Com
 
     def _section_forces(self, at: At, side: Side) -> SectionForces:
         return harmonic_forces(self._model(), self.coordinates, self._motions(), at, side)
-
-    def _in_bearing(self, at: Any) -> ComplexArray:
-        """Give the displacement of a shaft relative to what its bearing stands on."""
-        shaft, x = self._bearings[Places.of("bearing", self._bearings).index(at)]
-        moved: ComplexArray = self.coordinates.displacement(self._motion, (shaft, x))
-        bearings = self.description["bearings"]
-        number = Places.of("bearing", [(b["shaft"], b["position"]) for b in bearings]).index(at)
-        base = bearings[number].get("support")
-        seat = housing_and_interface(base)
-        if seat is not None:
-            on_seat: ComplexArray = moved - self.coordinates.displacement(self._motion, seat[1])
-            return on_seat
-        if base is None:
-            return moved
-        if isinstance(base, Mapping):
-            base = base.get("name") or f"bearings[{number}].support"
-        housings = {each["name"]: each for each in self.description.get("housings", ())}
-        if isinstance(base, str) and base in housings:
-            origin = shaft_origins(self.description)[self.coordinates.shafts.index(shaft)]
-            foot = np.add(origin, [x, 0.0, 0.0])
-            arm = foot - housings[base].get("position", [0.0, 0.0, 0.0])
-            below = self.coordinates.of_point(self._motion, base, arm)
-        else:
-            node = (base, 0.0) if isinstance(base, str) else tuple(base)
-            below = self.coordinates.displacement(self._motion, node)
-        relative: ComplexArray = moved - below
-        return relative
 
 
 @dataclass(frozen=True, eq=False)

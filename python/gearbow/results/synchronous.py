@@ -102,6 +102,7 @@ class Synchronous(HarmonicResponse):
     description: Mapping[str, Plain] = field(repr=False)
     _bearings: tuple[tuple[str, float], ...] = field(repr=False)
     _bearing_force: ComplexArray = field(repr=False)
+    _bearing_displacement: ComplexArray = field(repr=False)
     _meshes: tuple[tuple[str, str], ...] = field(repr=False)
     _mesh_force: ComplexArray = field(repr=False)
     _bow: ComplexArray = field(repr=False)
@@ -234,8 +235,13 @@ class Synchronous(HarmonicResponse):
             change.
         """
         slow = number(speed, "speed")
-        runout = self._model().synchronous(np.array([slow]), self.excitation, 1)["phasors"]
-        return replaced(self, amplitudes=self.amplitudes - runout, slow_roll=slow)
+        runout = self._model().synchronous(np.array([slow]), self.excitation, 1)
+        return replaced(
+            self,
+            amplitudes=self.amplitudes - runout["phasors"],
+            _bearing_displacement=self._bearing_displacement - runout["bearing_displacement"],
+            slow_roll=slow,
+        )
 
     @in_given_unit
     def peaks(

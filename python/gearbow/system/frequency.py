@@ -106,6 +106,7 @@ def frequency_response(
         _sources=plain,
         _bearings=tuple(data["bearings"]),
         _bearing_force=shaped(data["bearing_force"]),
+        _bearing_displacement=shaped(data["bearing_displacement"]),
         _meshes=tuple(data["meshes"]),
         _mesh_force=shaped(data["mesh_force"]),
         left_out=left_out(self) if any(one.get("excitation") == "both" for one in plain) else (),

@@ -410,6 +410,7 @@ def synchronous(
         description=self.description,
         _bearings=tuple(data["bearings"]),
         _bearing_force=data["bearing_force"],
+        _bearing_displacement=data["bearing_displacement"],
         _meshes=tuple(data["meshes"]),
         _mesh_force=data["mesh_force"],
         _bow=data["bow"],

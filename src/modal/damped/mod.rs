@@ -11,7 +11,7 @@ mod structural;
 mod whirl;
 
 pub use critical_problem::CriticalProblem;
-pub use modes::{Mode, modes, modes_of, structured_modes, whirl};
+pub use modes::{Mode, damping_ratio, modes, modes_of, structured_modes, whirl};
 pub use null_vectors::NullVectors;
 pub use residual::{Residual, Residuals, residual};
 pub use structural::MIN_CORRELATION;

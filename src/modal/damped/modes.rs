@@ -30,6 +30,12 @@ pub struct Mode {
     pub residual: Residual,
 }
 
+/// Damping ratio −Re λ/|λ| of an eigenvalue; 0 for 0.
+pub fn damping_ratio(eigenvalue: Complex<f64>) -> f64 {
+    let size = eigenvalue.norm();
+    if size == 0.0 { 0.0 } else { -eigenvalue.re / size }
+}
+
 impl Mode {
     /// Damped frequency |Im λ|/2π, Hz.
     pub fn frequency_hz(&self) -> f64 {
@@ -38,8 +44,7 @@ impl Mode {
 
     /// Damping ratio −Re λ/|λ|; zero for a rigid-body mode.
     pub fn damping_ratio(&self) -> f64 {
-        let size = self.eigenvalue.norm();
-        if size == 0.0 { 0.0 } else { -self.eigenvalue.re / size }
+        damping_ratio(self.eigenvalue)
     }
 
     /// Re(φ̄_i (Mφ)_i), the share of each coordinate in the kinetic energy, n entries in the order of the core with the sum 1.

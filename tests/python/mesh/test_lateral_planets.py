@@ -293,6 +293,17 @@ def test_planets_share_the_load_and_their_pins_carry_centrifugal_force(speed: fl
     assert expected[0] == pytest.approx(outwards, rel=1e-9)
 
 
+def test_the_force_on_a_pin_follows_from_the_displacement_of_the_planet_on_its_carrier(
+    stages: dict[int, gb.RotorSystem],
+):
+    # a carrier that twists moves its pins across their radius
+    found = stages[3].frequency_response([400.0], source=gb.Torque("sun", 10.0), speed=RATED)
+    for number in (1, 2, 3):
+        at = (f"pin {number}", 0.01)
+        moved = found.bearing_displacement(at)
+        assert found.bearing_force(at) == pytest.approx(PIN * moved, rel=1e-7)
+
+
 @pytest.mark.filterwarnings("ignore::gearbow.AccuracyWarning")
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_a_displaced_pin_on_a_turning_carrier_unloads_its_planet_by_the_hand_calculation(
