@@ -31,6 +31,7 @@ from gearbow.cli.arguments import (
     spaced,
     speed_line,
     speed_of_file,
+    unknown_of,
 )
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Force, MeshExcitation, Source, Torque
@@ -40,7 +41,6 @@ from gearbow.errors import SceneError
 from gearbow.exchange.rexs import RexsContents, rexs_contents
 from gearbow.identification.identify import identify as identified
 from gearbow.identification.measurement import Measurement
-from gearbow.identification.unknown import parse
 from gearbow.machines.examples import described, example, scene_files
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
@@ -487,10 +487,10 @@ def fmu(given: argparse.Namespace) -> Answer:
 
 def identify(given: argparse.Namespace) -> Answer:
     """Identify unknowns."""
-    unknowns = [parse(text) for text in given.unknowns]
+    system, runout = read_system(given), not given.no_runout
+    unknowns = [unknown_of(system, text) for text in given.unknowns]
     measured = [Measurement.read_csv(path, detection=given.detection) for path in given.measured]
-    runout = not given.no_runout
-    found = identified(read_system(given), measured, unknowns, runout=runout, noise=given.noise)
+    found = identified(system, measured, unknowns, runout=runout, noise=given.noise)
     return _answer(given, found, **found.to_dict())
 
 

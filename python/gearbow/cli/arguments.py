@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeAlias, get_args, get_origin
 
 import numpy as np
 
+from gearbow._convert import nearest
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output
 from gearbow._types import Array
@@ -17,6 +18,8 @@ from gearbow.description.gears import Mesh
 from gearbow.errors import GearbowError, SceneError
 from gearbow.exchange.rexs import rexs_contents
 from gearbow.exchange.rexs_joints import CATALOGUE
+from gearbow.identification import unknown
+from gearbow.identification.unknown import Unknown
 from gearbow.recording import container
 from gearbow.recording.container import ARCHIVE, EXPORT, require_netcdf
 from gearbow.results.response import Response
@@ -304,6 +307,25 @@ def named_item(names: Container[Any], text: str, name: str) -> Any:
         return (*group, part, parsed(position, f"{name}.position", bare=True))
     driver, sign, driven = text.partition("/")
     return (driver, driven) if sign else text
+
+
+def unknown_of(system: RotorSystem, given: str) -> Unknown:
+    """Read an unknown, such as "bow:input:2" or "unbalance:input@0.4"."""
+    kind, _, rest = given.partition(":")
+    kinds = ("bow", "unbalance", "runout", "parameter")
+    if kind not in kinds or bool(rest) == (kind == "runout"):
+        raise SceneError(
+            f"unknown: must be bow:SHAFT, bow:SHAFT:SHAPES, unbalance:PLACE, runout or "
+            f"parameter:PATH, got {given!r}{nearest(kind, kinds)}"
+        )
+    if kind == "bow":
+        shaft, _, count = rest.partition(":")
+        if count and not count.isdecimal():
+            raise SceneError(f"unknown: the number of shapes must be a whole number, got {given!r}")
+        return unknown.bow(shaft, int(count or 1))
+    if kind == "unbalance":
+        return unknown.unbalance(items(system, [rest], "unknown")[0])
+    return unknown.parameter(rest) if rest else unknown.runout()
 
 
 #: Words in place of the values of a bearing or coupling.

@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from gearbow.cli import answers
 from gearbow.cli.answers import Answer
@@ -35,32 +35,28 @@ from gearbow.results.response import Response
 from gearbow.system.rotor_system import RotorSystem
 
 
-class Command(NamedTuple):
+class Command:
     """A command, whose help is that of the method it calls, or of the function that answers it.
 
-    An argument that is a text is a parameter of the method.
+    Its name is that of the function unless it is given. An argument that is a text is a parameter
+    of the method.
     """
 
-    name: str
-    answer: Callable[[argparse.Namespace], Answer]
-    method: Callable[..., Any] | None
-    examples: str
-    arguments: tuple[Argument | str, ...]
-
-
-def _command(
-    name: str,
-    answer: Callable[[argparse.Namespace], Answer],
-    examples: str,
-    *arguments: Argument | str,
-    method: Callable[..., Any] | None = None,
-) -> Command:
-    return Command(name, answer, method, examples, arguments)
+    def __init__(
+        self,
+        answer: Callable[[argparse.Namespace], Answer],
+        examples: str,
+        *arguments: Argument | str,
+        method: Callable[..., Any] | None = None,
+        name: str = "",
+    ) -> None:
+        self.answer, self.examples, self.method = answer, examples, method
+        self.arguments = [parameter(one) if isinstance(one, str) else one for one in arguments]
+        self.name = name or answer.__name__.rstrip("_").replace("_", "-")
 
 
 COMMANDS = (
-    _command(
-        "new",
+    Command(
         answers.new,
         "  gearbow new\n  gearbow new pump.toml\n  gearbow new --example coaxial reducer.toml",
         option("path", "default: %(default)s", nargs="?", default="scene.toml"),
@@ -71,8 +67,7 @@ COMMANDS = (
         ),
         flag("--force", "replace an existing file"),
     ),
-    _command(
-        "report",
+    Command(
         answers.report,
         '  gearbow report gearbox.toml --speed "1480 rpm"\n'
         '  gearbow report gearbox.toml --speed "1200 rpm" "1480 rpm" --to "3000 rpm" --out g.html',
@@ -93,8 +88,7 @@ COMMANDS = (
         progress,
         method=RotorSystem.report,
     ),
-    _command(
-        "demo",
+    Command(
         answers.demo,
         "  gearbow demo\n  gearbow demo gearbox --no-open",
         # A machine with gears and bows that is small.
@@ -108,8 +102,7 @@ COMMANDS = (
         flag("--no-open", "do not open the browser"),
         *(JSON, progress),
     ),
-    _command(
-        "import",
+    Command(
         answers.import_,
         "  gearbow import gearbox.rexs --list\n"
         '  gearbow import gearbox.rexs --load-case 2 --bearing "other=1e8" --out train.toml\n'
@@ -124,14 +117,12 @@ COMMANDS = (
             ".rexs, with a warning about what REXS cannot hold",
         ),
     ),
-    _command(
-        "check",
+    Command(
         answers.check,
         "  gearbow check scene.toml\n  gearbow check scene.toml --json",
         scene(),
     ),
-    _command(
-        "plot",
+    Command(
         answers.plot,
         "  gearbow plot scene.toml\n  gearbow plot scene.toml --out train.svg\n"
         "  gearbow plot run.npz --kind spectrum --out spectrum.png",
@@ -140,16 +131,14 @@ COMMANDS = (
         option("--at", "places or meshes of a run; default: all", nargs="+", metavar="ITEM"),
         drawn("--out", "file of the figure; default: train.png, or the kind of a run"),
     ),
-    _command(
-        "modes",
+    Command(
         answers.modes,
         '  gearbow modes scene.toml\n  gearbow modes scene.toml --speed "1500 rpm" --count 20',
         *(scene(), parameter("speed", text="default: 0", default=None)),
         *(parameter("count", default=10), "vibrating"),
         method=RotorSystem.modes,
     ),
-    _command(
-        "campbell",
+    Command(
         answers.campbell,
         '  gearbow campbell scene.toml --to "6000 rpm"\n'
         '  gearbow campbell scene.toml --to "6000 rpm" --harmonics 0 --out campbell.png',
@@ -159,8 +148,7 @@ COMMANDS = (
         drawn("--out", "write the diagram to this file, for example .png"),
         method=RotorSystem.campbell,
     ),
-    _command(
-        "efficiency",
+    Command(
         answers.result,
         '  gearbow efficiency scene.toml --speed "1500 rpm"\n'
         '  gearbow efficiency scene.toml --speed "500 rpm" "3000 rpm" --out losses.png',
@@ -168,18 +156,18 @@ COMMANDS = (
         parameter("speeds", "--speed"),
         FIGURE,
         method=RotorSystem.efficiency,
+        name="efficiency",
     ),
-    _command(
-        "stresses",
+    Command(
         answers.result,
         '  gearbow stresses scene.toml --speed "1500 rpm"\n'
         '  gearbow stresses scene.toml --speed "1500 rpm" --endurance-limit "280 MPa"'
         ' --tensile-strength "700 MPa" --line din743',
         *(scene(), "speed", "endurance_limit", "tensile_strength", "line", FIGURE),
         method=RotorSystem.stresses,
+        name="stresses",
     ),
-    _command(
-        "life",
+    Command(
         answers.result,
         '  gearbow life scene.toml --speed "1500 rpm"\n'
         '  gearbow life scene.toml --spectrum "1500 rpm, 250 N m, 0.6" "3000 rpm, 100 N m, 0.4"',
@@ -192,9 +180,9 @@ COMMANDS = (
         ),
         *("factor", "reliability", FIGURE),
         method=RotorSystem.bearing_life,
+        name="life",
     ),
-    _command(
-        "bow-limits",
+    Command(
         answers.bow_limits,
         '  gearbow bow-limits scene.toml --shaft input --speed "1500 rpm"\n'
         '  gearbow bow-limits scene.toml --shaft input --speed "1500 rpm" --out bow.png',
@@ -203,8 +191,7 @@ COMMANDS = (
         *("speed", "phase", FIGURE),
         method=RotorSystem.bow_limits,
     ),
-    _command(
-        "response",
+    Command(
         answers.response,
         "  gearbow response train.toml --source input:0.2:y --at pinion --from 1Hz --to 5kHz"
         " --plot frf.png\n"
@@ -223,8 +210,7 @@ COMMANDS = (
         drawn("--plot", "write a Bode plot to this file"),
         method=RotorSystem.frequency_response,
     ),
-    _command(
-        "run",
+    Command(
         answers.run,
         '  gearbow run scene.toml --duration 0.5 --speed "1500 rpm" --out run.npz\n'
         '  gearbow run scene.toml --duration "10 s" --speed 0 --end-speed "3000 rpm" \\\n'
@@ -241,22 +227,19 @@ COMMANDS = (
         *(KIND, progress),
         method=RotorSystem.simulate,
     ),
-    _command(
-        "steady",
+    Command(
         answers.steady,
         '  gearbow steady scene.toml --speed "1500 rpm" --record gears meshes --out steady.npz',
         *(scene(), "speed", ACCURACY, RECORD, SIGNALS_OUT, progress),
         method=RotorSystem.steady_state,
     ),
-    _command(
-        "tradeoff",
+    Command(
         answers.tradeoff,
         '  gearbow tradeoff scene.toml --duration 0.1 --speed "1500 rpm" --signals pinion/wheel',
         *(scene(), "duration", "speed", SIGNALS, "budget", progress),
         method=RotorSystem.tradeoff,
     ),
-    _command(
-        "orders",
+    Command(
         answers.orders,
         "  gearbow orders run.npz\n"
         "  gearbow orders run.npz --at pinion --quantity z --skip-time 0.1",
@@ -267,16 +250,14 @@ COMMANDS = (
         "skip_time",
         method=Response.orders,
     ),
-    _command(
-        "export",
+    Command(
         answers.export,
         "  gearbow export run.npz run.csv\n  gearbow export run.npz run.xlsx",
         RUN,
         option("out", "the new file, .csv, .xlsx, .nc or .npz"),
         JSON,
     ),
-    _command(
-        "fmu",
+    Command(
         answers.fmu,
         '  gearbow fmu train.toml --speed "1500 rpm" --torque-input pinion\n'
         '  gearbow fmu train.toml --speed "1500 rpm" --speed-input "500 rpm" "3000 rpm"'
@@ -293,8 +274,7 @@ COMMANDS = (
         option("--out", "file .fmu; default: the name of the scene file", dest="path"),
         method=RotorSystem.to_fmu,
     ),
-    _command(
-        "identify",
+    Command(
         answers.identify,
         "  gearbow identify scene.toml run_down.csv --unknown bow:input:2 "
         "--unknown unbalance:pinion --plot fit.png\n"
@@ -326,19 +306,16 @@ COMMANDS = (
         drawn("--plot", "write a figure to this file"),
         method=identify,
     ),
-    _command(
-        "skill",
+    Command(
         answers.skill,
         "  gearbow skill\n  gearbow skill > AGENTS.md",
     ),
-    _command(
-        "schema",
+    Command(
         answers.schema,
         "  gearbow schema modes",
         option("of", "a command, such as modes", metavar="COMMAND"),
     ),
-    _command(
-        "completion",
+    Command(
         answers.completion,
         '  eval "$(gearbow completion bash)"                          # in ~/.bashrc\n'
         "  gearbow completion zsh > ~/.zsh/completions/_gearbow        # in a folder of fpath",

@@ -23,7 +23,6 @@ import numpy as np
 from gearbow._core import __version__
 from gearbow._files import printable, replacing
 from gearbow.cli.answers import Answer
-from gearbow.cli.arguments import parameter
 from gearbow.cli.commands import COMMANDS
 from gearbow.errors import GearbowError, SceneError
 
@@ -120,7 +119,7 @@ def _parser() -> argparse.ArgumentParser:
         )
         each.set_defaults(analysis=command.method, answer=command.answer)
         for one in command.arguments:
-            (parameter(one) if isinstance(one, str) else one)(each)
+            one(each)
         each.set_defaults(options=_options(each))
     return parser
 
