@@ -61,11 +61,9 @@ def parameter(
     of: Callable[..., Any] | None = None,
     **settings: Any,
 ) -> Argument:
-    """Declare an option that is a parameter of the method of the command, or of another method.
-
-    Type and default follow from the signature of the method, the help from its documentation;
-    text adds to the help, and settings replace what follows.
-    """
+    """Declare an option that is a parameter of the method of the command, or of another method."""
+    # Type and default follow from the signature of the method, the help from its documentation;
+    # `text` adds to the help, and `settings` replace what follows.
     option = option or f"--{name.replace('_', '-')}"
 
     def add(parser: argparse.ArgumentParser) -> argparse.Action:  # numpydoc ignore=GL08

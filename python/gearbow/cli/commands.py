@@ -36,12 +36,10 @@ from gearbow.system.rotor_system import RotorSystem
 
 
 class Command:
-    """A command, whose help is that of the method it calls, or of the function that answers it.
+    """A command, whose help is that of the method it calls, or of the function that answers it."""
 
-    Its name is that of the function unless it is given. An argument that is a text is a parameter
-    of the method.
-    """
-
+    # The name is that of the function unless it is given. An argument that is a text is a
+    # parameter of the method.
     def __init__(
         self,
         answer: Callable[[argparse.Namespace], Answer],

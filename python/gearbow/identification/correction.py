@@ -17,12 +17,14 @@ from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.identification.fit import RELATIVE_STEP
 from gearbow.identification.measurement import Measurement
-from gearbow.identification.responses import LinearModel, assembled
+from gearbow.identification.responses import assembled
 from gearbow.results.synchronous import Synchronous, semi_axes
 from gearbow.units.speed import SpeedUnit, given_unit, shown_unit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from gearbow.identification.result import Identification
 
 #: Samples of the estimates, with a fixed seed: they give limits of 95 % within 0.7 %.
 _SAMPLES = 4000
@@ -31,23 +33,6 @@ _SAMPLES = 4000
 _SAME_SPEED = 0.01
 #: Unit of influence coefficients in tables: displacement per unbalance. One is 1 m/(kg m).
 _WRITTEN = Written("µm/(g mm)", 1.0)
-
-
-class Estimates(Generic[S]):
-    """What balancing uses of an identification."""
-
-    system: S
-    values: ComplexArray
-    components: tuple[str, ...]
-    covariance: Array
-    factor: float
-    noise: Array
-    probes: tuple[Any, ...]
-    measurements: tuple[Measurement, ...]
-    fitted: tuple[ComplexArray, ...]
-    speed_unit: SpeedUnit
-    left_out: tuple[str, ...]
-    _model: LinearModel[S] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,13 +162,10 @@ class Correction(Figured, ReadOnly, Generic[S]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> probe = gb.Probe("rotor", 0.5)
-    >>> measured = gb.Measurement([10.0, 300.0], [[50e-6], [85e-6]], [probe])
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> measured = gb.Measurement([10.0, 200.0], [[50e-6], [85e-6]], [gb.Probe("rotor", 0.23)])
     >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], runout=False, noise=1e-6)
-    >>> weights = found.balance(("rotor", 0.5), 300.0)
+    >>> weights = found.balance("disk", 200.0)
     >>> weights.remaining_share < 0.01
     True
     """
@@ -257,7 +239,7 @@ class Correction(Figured, ReadOnly, Generic[S]):
 
 
 def correct(
-    found: Estimates[S],
+    found: "Identification[S]",
     planes: At | Sequence[At],
     speeds: "ArrayLike",
     points: At | Sequence[At] | None,
@@ -295,7 +277,7 @@ def correct(
     return _with_limits(found, correction, columns, speed_unit)
 
 
-def _probe_places(found: Estimates[S], shaft: str) -> list[At]:
+def _probe_places(found: "Identification[S]", shaft: str) -> list[At]:
     """Give the places of the probes beside a shaft."""
     beside: list[At] = [
         (probe.shaft, probe.position)
@@ -313,7 +295,7 @@ def _read(response: Synchronous, shaft: str, points: Sequence[At]) -> ComplexArr
     return np.stack([response.displacement(point)[:, source] for point in points], axis=1)
 
 
-def _by_parameter(found: Estimates[S], correction: Balance[S], index: int) -> ComplexArray:
+def _by_parameter(found: "Identification[S]", correction: Balance[S], index: int) -> ComplexArray:
     """Differentiate the residual by a parameter, with the weights as they are."""
     model = found._model
     assert model is not None
@@ -337,7 +319,7 @@ def _by_parameter(found: Estimates[S], correction: Balance[S], index: int) -> Co
 
 
 def _with_limits(
-    found: Estimates[S], correction: Balance[S], columns: ComplexArray, speed_unit: SpeedUnit
+    found: "Identification[S]", correction: Balance[S], columns: ComplexArray, speed_unit: SpeedUnit
 ) -> Correction[S]:
     """Sample the estimates to find the limits of the residual."""
     influences = columns.any(axis=0)
@@ -394,7 +376,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def trial_influence(found: Estimates[Any], speed_unit: SpeedUnit) -> TrialInfluence | None:
+def trial_influence(found: "Identification[Any]", speed_unit: SpeedUnit) -> TrialInfluence | None:
     """Compare all runs with one trial weight with those without; None without such runs."""
     noise = {one.probe: value for one, value in zip(found.probes, found.noise, strict=True)}
     runs = list(zip(found.measurements, found.fitted, strict=True))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError
-from gearbow.identification.correction import Correction, Estimates, correct
+from gearbow.identification.correction import Correction, correct
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.responses import LinearModel
 from gearbow.units.speed import SpeedUnit, speed_factor
@@ -59,7 +59,7 @@ class ProbeResidual(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Identification(Figured, ReadOnly, Estimates[S]):
+class Identification(Figured, ReadOnly, Generic[S]):
     """Unknowns of a system, estimated from measured 1× vibration.
 
     `plot` has five panels: measured and fitted phase and amplitude over the speed, vectors in
@@ -118,14 +118,11 @@ class Identification(Figured, ReadOnly, Estimates[S]):
     --------
     >>> import numpy as np
     >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> probe = gb.Probe("rotor", 0.5)
-    >>> measured = gb.Measurement([10.0, 300.0], [[50e-6], [85e-6]], [probe])
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> measured = gb.Measurement([10.0, 200.0], [[50e-6], [85e-6]], [gb.Probe("rotor", 0.23)])
     >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], runout=False, noise=1e-6)
     >>> found.names, f"{1e6 * found.half_widths[0, 0]:.1f} µm"
-    (('bow of rotor, half wave 1',), '1.2 µm')
+    (('bow of rotor, half wave 1',), '1.1 µm')
     """
 
     names: tuple[str, ...]

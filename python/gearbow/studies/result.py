@@ -60,13 +60,9 @@ class Trial(Shown, Generic[S]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
-    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
-    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> few = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, "disk", methods="exponential", **few)
     >>> trial = tradeoff.trials[0]
     >>> trial.method, trial.steps > 0
     ('exponential', True)
@@ -216,13 +212,9 @@ class Recommendation(Shown, Generic[S]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
-    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
-    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> few = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, "disk", methods="exponential", **few)
     >>> tradeoff.recommend(error=1e-2).options["method"]
     'exponential'
     """
@@ -274,13 +266,9 @@ class Tradeoff(Result, Generic[S]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
-    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
-    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> few = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, "disk", methods="exponential", **few)
     >>> tradeoff.trials[0].setting
     'exponential, rtol 1e-03'
     """
