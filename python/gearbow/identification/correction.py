@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
-from gearbow._result import Column, Figured, Written, in_degrees
+from gearbow._result import Column, Figured, WithSpeeds, Written, in_degrees
 from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import Balance, balance, shaft_of_planes, with_unbalances
@@ -19,7 +19,7 @@ from gearbow.identification.fit import RELATIVE_STEP
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.responses import assembled
 from gearbow.results.synchronous import Synchronous, semi_axes
-from gearbow.units.speed import SpeedUnit, given_unit, shown_unit, speed_factor, speed_text
+from gearbow.units.speed import shown_unit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +36,7 @@ _WRITTEN = Written("µm/(g mm)", 1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class TrialInfluence(Figured, ReadOnly):
+class TrialInfluence(WithSpeeds, Figured, ReadOnly):
     """Influence coefficients of trial runs, beside those of the identified model.
 
     A coefficient is the change of the 1× vibration of a probe for each unbalance in a plane. That
@@ -57,8 +57,6 @@ class TrialInfluence(Figured, ReadOnly):
         Complex coefficients of the trial run and of the model between the same speeds [m/(kg m)].
     half_widths : ndarray, shape (k,)
         Half width of the 95 % interval of each measured component by the noise [m/(kg m)].
-    speed_unit : str
-        Unit of speeds in tables, as for `table`.
 
     Examples
     --------
@@ -78,7 +76,6 @@ class TrialInfluence(Figured, ReadOnly):
     measured: ComplexArray
     model: ComplexArray
     half_widths: Array
-    speed_unit: SpeedUnit = "rad/s"
 
     def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
@@ -118,7 +115,7 @@ class TrialInfluence(Figured, ReadOnly):
 
 
 @dataclass(frozen=True, eq=False)
-class Correction(Figured, ReadOnly, Generic[S]):
+class Correction(WithSpeeds, Figured, ReadOnly, Generic[S]):
     """Balancing weights and the vibration that they leave.
 
     `plot` draws the major semi-axis of the orbits at the points before and after the
@@ -152,8 +149,6 @@ class Correction(Figured, ReadOnly, Generic[S]):
         Influence coefficients of the model: amplitudes along y and z per unbalance [m/(kg m)].
     system : RotorSystem
         The identified system with the weights.
-    speed_unit : str
-        Unit of speeds in tables and figures, as for `table`.
     trials : TrialInfluence, optional
         Influence coefficients of trial runs with one weight each, beside the model; None without.
     left_out : tuple of str
@@ -182,7 +177,6 @@ class Correction(Figured, ReadOnly, Generic[S]):
     interval: tuple[float, float]
     influence: ComplexArray
     system: S = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
     trials: TrialInfluence | None = field(repr=False, default=None)
     left_out: tuple[str, ...] = ()
 
@@ -273,8 +267,7 @@ def correct(
             columns[:, 2 * j : 2 * j + 2] = unit.reshape(-1, 2)
     for i in range(len(model.parameters)):
         columns[:, 2 * len(model.terms) + i] = _by_parameter(found, correction, i).ravel()
-    speed_unit = given_unit(speeds) or found.speed_unit
-    return _with_limits(found, correction, columns, speed_unit)
+    return _with_limits(found, correction, columns)
 
 
 def _probe_places(found: "Identification[S]", shaft: str) -> list[At]:
@@ -319,7 +312,7 @@ def _by_parameter(found: "Identification[S]", correction: Balance[S], index: int
 
 
 def _with_limits(
-    found: "Identification[S]", correction: Balance[S], columns: ComplexArray, speed_unit: SpeedUnit
+    found: "Identification[S]", correction: Balance[S], columns: ComplexArray
 ) -> Correction[S]:
     """Sample the estimates to find the limits of the residual."""
     influences = columns.any(axis=0)
@@ -361,9 +354,8 @@ def _with_limits(
             found.system,
             dict(zip(correction.planes, correction.unbalances.tolist(), strict=True)),
         ),
-        speed_unit=speed_unit,
         left_out=found.left_out,
-        trials=trial_influence(found, speed_unit),
+        trials=trial_influence(found),
     )
 
 
@@ -376,7 +368,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def trial_influence(found: "Identification[Any]", speed_unit: SpeedUnit) -> TrialInfluence | None:
+def trial_influence(found: "Identification[Any]") -> TrialInfluence | None:
     """Compare all runs with one trial weight with those without; None without such runs."""
     noise = {one.probe: value for one, value in zip(found.probes, found.noise, strict=True)}
     runs = list(zip(found.measurements, found.fitted, strict=True))
@@ -403,7 +395,7 @@ def trial_influence(found: "Identification[Any]", speed_unit: SpeedUnit) -> Tria
         return None
     planes, probes, *numbers = zip(*rows, strict=True)
     speeds, measured, model, scatter = map(np.array, numbers)
-    return TrialInfluence(planes, probes, speeds, measured, model, scatter, speed_unit)
+    return TrialInfluence(planes, probes, speeds, measured, model, scatter)
 
 
 def _same_speeds(trial: Measurement, base: Measurement) -> list[tuple[int, int]]:

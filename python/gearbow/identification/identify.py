@@ -26,6 +26,7 @@ from gearbow.identification.responses import LinearModel, assembled, with_number
 from gearbow.identification.result import Identification, ProbeResidual
 from gearbow.identification.unknown import RunoutUnknown, Unknown, runout as unknown_runout
 from gearbow.units.fields import unit_of
+from gearbow.units.speed import in_given_unit
 
 #: Amplitudes over the standard deviation that a test of 5 % finds in 95 %: the square is the
 #: noncentrality 15.44 of χ² with two degrees of freedom, or (1.960 + 1.645)² with one.
@@ -39,6 +40,7 @@ _ROUND_OFF = 1e-8
 _SMOOTH = NormalDist().inv_cdf(0.999)
 
 
+@in_given_unit
 def identify(
     system: S,
     measured: Measurement | Sequence[Measurement],
@@ -196,7 +198,6 @@ def result_of(
         measurements=tuple(given),
         fitted=tuple(fitted),
         system=assembled(identified, model, values[:terms].tolist()),
-        speed_unit=given[0].speed_unit,
         left_out=left_out(system),
         _model=model,
     )

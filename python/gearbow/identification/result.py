@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import nearest, text
-from gearbow._result import Column, Figured, in_degrees
+from gearbow._result import Column, Figured, WithSpeeds, in_degrees
 from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
@@ -16,7 +16,7 @@ from gearbow.errors import GearbowError
 from gearbow.identification.correction import Correction, correct
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.responses import LinearModel
-from gearbow.units.speed import SpeedUnit, speed_factor
+from gearbow.units.speed import in_given_unit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,7 +59,7 @@ class ProbeResidual(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Identification(Figured, ReadOnly, Generic[S]):
+class Identification(WithSpeeds, Figured, ReadOnly, Generic[S]):
     """Unknowns of a system, estimated from measured 1× vibration.
 
     `plot` has five panels: measured and fitted phase and amplitude over the speed, vectors in
@@ -103,8 +103,6 @@ class Identification(Figured, ReadOnly, Generic[S]):
         Fitted amplitudes [m]; NaN where none was measured.
     system : RotorSystem
         The system with the identified values.
-    speed_unit : str
-        Unit of speeds in tables and figures, as for `table`.
     left_out : tuple of str
         Excitations of the system that the model of the vibration does not contain.
 
@@ -141,7 +139,6 @@ class Identification(Figured, ReadOnly, Generic[S]):
     measurements: tuple[Measurement, ...]
     fitted: tuple[ComplexArray, ...]
     system: S = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
     _model: LinearModel[S] | None = field(repr=False, default=None)
 
@@ -222,6 +219,7 @@ class Identification(Figured, ReadOnly, Generic[S]):
             )
         return complex(self.values[self.names.index(name)])
 
+    @in_given_unit
     def balance(
         self,
         planes: At | Sequence[At],

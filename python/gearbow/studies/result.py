@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from gearbow._convert import positive, truth
 from gearbow._extras import extra
-from gearbow._result import Column, Result
+from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import Shown
 from gearbow.accuracy import UNIT_OF_ERRORS
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError
 from gearbow.studies.settings import GIVEN
-from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -237,7 +236,7 @@ class Recommendation(Shown, Generic[S]):
 
 
 @dataclass(frozen=True, eq=False)
-class Tradeoff(Result, Generic[S]):
+class Tradeoff(WithSpeeds, Result, Generic[S]):
     """Error and CPU time of many settings; made by `gearbow.RotorSystem.tradeoff`.
 
     Parameters
@@ -260,8 +259,6 @@ class Tradeoff(Result, Generic[S]):
         Speed of the reference shaft [rad/s].
     signals : tuple of str
         Names of the compared signals.
-    speed_unit : str
-        Unit of speeds in tables and figures, as for `table`: that in which the speed was given.
 
     Examples
     --------
@@ -282,7 +279,6 @@ class Tradeoff(Result, Generic[S]):
     duration: float
     speed: float
     signals: tuple[str, ...]
-    speed_unit: SpeedUnit = "rad/s"
 
     def front(
         self, *, duration: float | None = None, simplified: bool = True
@@ -421,7 +417,7 @@ class Tradeoff(Result, Generic[S]):
 
     def _heading(self) -> list[str]:
         worst = ", worst signal" if len(self.signals) > 1 else ""
-        speed = speed_text(self.speed)
+        speed = self._speed_text(self.speed)
         lines = [
             f"{self.duration:g} s at {speed}; signals: {', '.join(self.signals)}",
             f"error: RMS of the difference / {UNIT_OF_ERRORS}{worst}",
