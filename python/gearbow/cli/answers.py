@@ -66,6 +66,8 @@ _LISTS = (
     *("shafts", "gears", "disks", "meshes", "bearings", "torques"),
     *("supports", "housings", "couplings", "drives", "forces"),
 )
+#: Methods whose command gives the accuracy of the system, which decides its elements.
+_OF_ACCURACY = (RotorSystem.simulate, RotorSystem.steady_state)
 
 
 @dataclass(frozen=True)
@@ -153,10 +155,6 @@ def _speeds(given: argparse.Namespace) -> list[float]:
 def result(given: argparse.Namespace) -> Answer:
     """Print the result of the method of the command."""
     return _answer(given, _found(given))
-
-
-#: Methods whose command gives the accuracy of the system, which decides its elements.
-_OF_ACCURACY = (RotorSystem.simulate, RotorSystem.steady_state)
 
 
 def _schemas() -> dict[str, Any]:
