@@ -246,9 +246,9 @@ def bows(train: Train) -> dict[str, tuple[Array, ComplexArray]]:
     return curves
 
 
-def _rectangle(box: Box, linewidth: float = 1.0, **style: Any) -> Rectangle:
+def _rectangle(box: Box, **style: Any) -> Rectangle:
     left, bottom, right, top = box
-    return Rectangle((left, bottom), right - left, top - bottom, linewidth=linewidth, **style)
+    return Rectangle((left, bottom), right - left, top - bottom, **{"linewidth": 1.0, **style})
 
 
 def _edge(step: Step, side: float, x: float, y: float) -> list[tuple[float, float]]:
