@@ -4,7 +4,6 @@ import argparse
 import inspect
 import re
 from collections.abc import Callable, Container, Iterator, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args, get_origin
 
@@ -139,12 +138,24 @@ def spectrum_case(text: str) -> tuple[float, float, float]:
     return quantity("speed")(parts[0]), torque(parts[1]), share(parts[2])
 
 
+def _writable(check: Callable[[str], Path]) -> Callable[[str], Path]:
+    """Make the type of the name of a file that can be written."""
+
+    def read(text: str) -> Path:  # numpydoc ignore=GL08
+        try:
+            path = check(text)
+            check_output(path)
+        except OSError as error:
+            raise argparse.ArgumentTypeError(f"{error.filename}: {error.strerror}") from None
+        except GearbowError as error:
+            raise argparse.ArgumentTypeError(str(error).removeprefix("path: ")) from None
+        return path
+
+    return read
+
+
+@_writable
 def output(text: str) -> Path:
-    """Read the name of a file for signals, and check that it can be written."""
-    return _writable(partial(_check_signals, text))
-
-
-def _check_signals(text: str) -> Path:
     """Require a suffix of a file that holds all signals of a run."""
     path, ending = check_name(text, (ARCHIVE, EXPORT))
     if ending == EXPORT:
@@ -152,28 +163,12 @@ def _check_signals(text: str) -> Path:
     return path
 
 
+@_writable
 def figure(text: str) -> Path:
-    """Read the name of a file for a figure, and check that it can be drawn and written."""
-    return _writable(partial(_check_figure, text))
-
-
-def _check_figure(text: str) -> Path:
     """Require a suffix of a format that matplotlib writes."""
     with extra("plot"):
         from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
     return check_name(text, [f".{each}" for each in sorted(FigureCanvasBase.filetypes)])[0]
-
-
-def _writable(check: Callable[[], Path]) -> Path:
-    """Check the name of a file and that it can be written."""
-    try:
-        path = check()
-        check_output(path)
-    except OSError as error:
-        raise argparse.ArgumentTypeError(f"{error.filename}: {error.strerror}") from None
-    except GearbowError as error:
-        raise argparse.ArgumentTypeError(str(error).removeprefix("path: ")) from None
-    return path
 
 
 JSON = flag("--json", "print JSON in place of text")
