@@ -4,9 +4,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::link::{Link, axial_bearing_row, links, mount_rows, slope_rows};
 use super::{Model, Numbering, Support, bearing_rows};
-use crate::connection::{
-    AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing, Tilt,
-};
+use crate::connection::{BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing, Tilt};
 use crate::film::{Film, TiltingPads};
 use crate::numerics::ROUND_OFF;
 use crate::rolling::{Ring, RollingElements};

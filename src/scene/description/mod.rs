@@ -297,7 +297,7 @@ impl SceneDescription {
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
         let document: toml::Table =
             toml::from_str(text).map_err(|error| SceneError::new("toml", error.to_string().trim_end()))?;
-        Self::deserialize(toml::Value::Table(document))
+        Self::deserialize(toml::Value::Table(document)).map_err(|error| reading::with_line(error, text))
     }
 
     /// Reads a description from any serde source.
