@@ -78,7 +78,8 @@ def turn(study: Study) -> Figure:
 def where(study: Study) -> Figure:
     """Draw peak-to-peak values against the bow, on all shafts and on each shaft."""
     bows = study.settings.bows
-    with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
+    title = "bow on, layout"
+    with plots.panels(4, 4.2, columns=2, width=14.0, legend=title) as (figure, panels):
         shown = [(pair, "contact_ratio") for pair in study.pairs]
         shown += [(gear, "orbit") for gear in list(study.gears)[1:3]]
         for panel, (of, what) in zip(panels, shown, strict=True):
@@ -98,18 +99,12 @@ def where(study: Study) -> Figure:
                     )
             name = f"displacement {of} [mm]" if what == "orbit" else f"contact ratio {of}"
             panel.set(xlabel=_BOW, ylabel=f"{name}, peak-to-peak")
-        figure.legend(
-            *panels[0].get_legend_handles_labels(),
-            loc="outside upper center",
-            ncols=4,
-            title="bow on, layout",
-        )
     return figure
 
 
 def limits(study: Study) -> Figure:
     """Draw the decrease of the centre distance and the smallest contact ratio against the bow."""
-    with plots.panels(2, 5.0, columns=2, width=14.0) as (figure, (near, few)):
+    with plots.panels(2, 5.0, columns=2, width=14.0, legend="bow on") as (figure, (near, few)):
         for number, place in enumerate((ALL, *study.shafts)):
             closer, ratios = [], []
             for bow in study.settings.bows:
@@ -141,13 +136,13 @@ def limits(study: Study) -> Figure:
         few.axhline(1.0, color="black", linewidth=1.0)
         near.set(xlabel=_BOW, ylabel="largest decrease of centre distance [mm]")
         few.set(xlabel=_BOW, ylabel="smallest contact ratio")
-        plots.legend(figure, near, title="bow on")
     return figure
 
 
 def frozen(study: Study) -> Figure:
     """Draw the mesh forces with live and with frozen geometry."""
-    with plots.panels(4, 4.2, columns=2, width=14.0) as (figure, panels):
+    title = "geometry of the meshes"
+    with plots.panels(4, 4.2, columns=2, width=14.0, legend=title) as (figure, panels):
         styles: tuple[tuple[Literal["live", "frozen"], str], ...] = (
             ("live", plots.PALETTE[0]),
             ("frozen", plots.PALETTE[1]),
@@ -196,7 +191,6 @@ def frozen(study: Study) -> Figure:
             panel.set(
                 xlabel=_BOW, ylabel=f"force {pair}, peak-to-peak [kN]", title=f"{names} rad/s"
             )
-        plots.legend(figure, panels[0], title="geometry of the meshes")
     return figure
 
 

@@ -130,11 +130,8 @@ class Tacho(Sensor):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
-    >>> run_up = gb.SpeedProfile.ramp(0.0, 20.0, duration=2.0)
-    >>> response = system.simulate(2.0, run_up)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> response = system.simulate(2.0, gb.SpeedProfile.ramp(0.0, 20.0, duration=2.0))
     >>> response.measure(gb.Tacho("rotor")).round(6)
     array([0.      , 1.120998, 1.585331, 1.941626])
     """

@@ -152,7 +152,8 @@ pub fn campbell(
             return Err(place.error(message).into());
         }
     }
-    let mut tracker = Tracker::new(cached, speeds, count, harmonics, threads, interrupt)?;
+    let one = cached.at_all(speeds)?;
+    let mut tracker = Tracker::new(&one, speeds, count, harmonics, threads, interrupt)?;
     let mut diagram = Campbell {
         eigenvalues: Vec::new(),
         whirl: Vec::new(),

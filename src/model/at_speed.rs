@@ -4,9 +4,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::link::{Link, axial_bearing_row, links, mount_rows, slope_rows};
 use super::{Model, Numbering, Support, bearing_rows};
-use crate::connection::{
-    AppliedLoad, BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing, Tilt,
-};
+use crate::connection::{BearingLaw, Connection, NonlinearBearing, OperatingPoint, Row, SpeedDependentBearing, Tilt};
 use crate::film::{Film, TiltingPads};
 use crate::numerics::ROUND_OFF;
 use crate::rolling::{Ring, RollingElements};
@@ -186,9 +184,23 @@ impl Model {
         self.has_internal_damping() || self.scene.has_turning_frame()
     }
 
+    /// A speed of the reference shaft with the same static equilibrium and the same coefficients of bearings as `speed`, both rad/s:
+    /// one for all speeds of a direction of rotation, where nothing at rest depends on the magnitude of the speed. The mean force
+    /// of rolling elements does not.
+    pub fn static_speed(&self, speed: f64) -> f64 {
+        let rolls = |bearing: &NonlinearBearing| bearing.elements().is_some();
+        let varies = !self.bearings.is_empty()
+            || self.circulates()
+            || !self.planets.is_empty()
+            || self.has_torques_over_speed()
+            || !self.nonlinear_bearings.iter().all(rolls);
+        if varies { speed } else { self.rotation(speed).speed() }
+    }
+
     /// Whether this is the model at a speed of the reference shaft, rad/s.
     pub fn is_at_speed(&self, speed: f64) -> bool {
-        let is_at = |bearing: &NonlinearBearing| bearing.point.is_some_and(|point| point.speed == Some(speed));
+        let known = Some(self.static_speed(speed));
+        let is_at = |bearing: &NonlinearBearing| bearing.point.is_some_and(|point| point.speed == known);
         let circulates = !self.circulates() || self.circulation == Some(speed);
         self.bearings.is_empty() && circulates && self.nonlinear_bearings.iter().all(is_at)
     }
@@ -432,8 +444,11 @@ impl Model {
 
     /// Whether stiffness or damping depend on the speed: those of bearings, or the slope of a torque over the speed.
     pub fn depends_on_speed(&self) -> bool {
-        let is_over_speed = |load: &AppliedLoad| matches!(load.law, LoadLaw::SpeedTorque { .. });
-        self.needs_speed() || self.loads.iter().any(is_over_speed)
+        self.needs_speed() || self.has_torques_over_speed()
+    }
+
+    fn has_torques_over_speed(&self) -> bool {
+        self.loads.iter().any(|load| matches!(load.law, LoadLaw::SpeedTorque { .. }))
     }
 
     /// Torques over the speed, N m, and centrifugal forces on planets, N, at a speed of the reference shaft, rad/s, n entries.

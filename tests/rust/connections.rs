@@ -1,6 +1,8 @@
 //! Every analysis and every method contains connections. A table with the same coefficients at all speeds gives the results
 //! of a bearing in the matrices; tables, rolling elements and oil films give the same motion by every method.
 
+use std::sync::Arc;
+
 use crate::common::{Noise, largest, model, train};
 use gearbow::analysis::simulate::{Initial, Method, Options, RecordPlan, Request, Response, System, simulate};
 use gearbow::analysis::{
@@ -9,7 +11,7 @@ use gearbow::analysis::{
 use gearbow::connection::{Connection, Instant, Interface, InterfaceOptions, Tangent};
 use gearbow::integrate::Statistics;
 use gearbow::mesh::{ContactMode, Geometry, ShaftPhase};
-use gearbow::modal::{ModeSelection, modes};
+use gearbow::modal::{AtSpeed, ModeSelection, modes};
 use gearbow::motion::{Energies, Profile, SourceTerms, Speed};
 use gearbow::scene::SceneDescription;
 use gearbow::scene::description::Gravity;
@@ -97,6 +99,21 @@ fn run(cached: &System, options: &Options) -> Response {
     let requests = ["gears", "energy"].map(|name| Request::Name(name.to_owned()));
     let plan = RecordPlan::new(&cached.model, &requests).unwrap();
     simulate(cached, options, &plan, &mut |_| true).unwrap()
+}
+
+#[test]
+fn one_static_equilibrium_stands_for_all_speeds_of_a_direction_where_none_depends_on_the_speed() {
+    let is_one = [(ROLLING, true), (BALLS, true), (ROLLERS, true), (JOURNAL, false), (STIFFENING, false)];
+    for (entries, is_one) in is_one {
+        let cached = System::new(model(&with_bearing(&heavy(), entries)));
+        let [slow, fast, backward] = [100.0, 120.0, -100.0].map(|speed| match cached.at_speed(speed).unwrap() {
+            AtSpeed::Specialised(found) => found,
+            AtSpeed::Same(_) => panic!("{entries} has its coefficients at the equilibrium"),
+        });
+        assert_eq!(Arc::ptr_eq(&slow, &fast), is_one, "{entries}");
+        // The other flanks carry the load.
+        assert!(!Arc::ptr_eq(&slow, &backward), "{entries}");
+    }
 }
 
 #[test]

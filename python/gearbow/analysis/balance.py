@@ -193,7 +193,8 @@ def balance(  # numpydoc ignore=PR01
     read = partial(_deflection, shaft=shaft, speeds=speeds, points=measured, target=target)
     with working(progress, "balancing"):
         before = read(base, "both")
-        alone = _without_unbalance(base)
+        # A trial unbalance must be no small difference.
+        alone = variant(base, **without_unbalance(base))
         influence = np.stack(
             [
                 read(with_unbalances(alone, {plane: _TRIAL}), "unbalance") / _TRIAL
@@ -256,11 +257,17 @@ def body_of(plane: At) -> str:
     return plane if isinstance(plane, str) else f"balance {plane[0]} {plane[1]:g}"
 
 
-def _without_unbalance(system: S) -> S:
-    """Remove the unbalances of all bodies, so that a trial unbalance is not a small difference."""
-    gears = [replace(gear, unbalance=0.0) for gear in system.gears]
-    disks = [replace(disk, unbalance=0.0) for disk in system.disks]
-    return variant(system, gears=gears, disks=disks)
+def bodies_with(system: System, unbalances: Mapping[str, complex]) -> dict[str, Any]:
+    """Give the gears and disks of a system, some of them with other unbalances."""
+    return {
+        "gears": [replace(g, unbalance=unbalances.get(g.name, g.unbalance)) for g in system.gears],
+        "disks": [replace(d, unbalance=unbalances.get(d.name, d.unbalance)) for d in system.disks],
+    }
+
+
+def without_unbalance(system: System) -> dict[str, Any]:
+    """Give the gears and disks of a system without unbalance."""
+    return bodies_with(system, dict.fromkeys(shafts_of_bodies(system), 0.0))
 
 
 def shaft_of_planes(system: System, planes: Sequence[At]) -> str:

@@ -1,11 +1,12 @@
 """What each command does and prints: one function for each command."""
 
 import argparse
+import inspect
 import json
 import math
 import warnings
 import webbrowser
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from gearbow._files import check_name, check_output, replacing
 from gearbow._types import Array
 from gearbow.analysis.protocol import variant
 from gearbow.cli.arguments import (
+    PLACES,
     figure,
     is_run,
     items,
@@ -29,6 +31,7 @@ from gearbow.cli.arguments import (
     spaced,
     speed_line,
     speed_of_file,
+    unknown_of,
 )
 from gearbow.description.layout import ratios_by_shaft
 from gearbow.description.loads import Force, MeshExcitation, Source, Torque
@@ -38,7 +41,6 @@ from gearbow.errors import SceneError
 from gearbow.exchange.rexs import RexsContents, rexs_contents
 from gearbow.identification.identify import identify as identified
 from gearbow.identification.measurement import Measurement
-from gearbow.identification.unknown import parse
 from gearbow.machines.examples import described, example, scene_files
 from gearbow.results.response import Response
 from gearbow.results.steady import SteadyState
@@ -64,6 +66,8 @@ _LISTS = (
     *("shafts", "gears", "disks", "meshes", "bearings", "torques"),
     *("supports", "housings", "couplings", "drives", "forces"),
 )
+#: Methods whose command gives the accuracy of the system, which decides its elements.
+_OF_ACCURACY = (RotorSystem.simulate, RotorSystem.steady_state)
 
 
 @dataclass(frozen=True)
@@ -75,18 +79,58 @@ class Answer:
     draw: "Callable[[], Figure] | None" = None
 
 
+def _call(owner: Any, given: argparse.Namespace, **changes: Any) -> Any:
+    """Call the method of the command with the options that are its parameters."""
+    signature = inspect.signature(given.analysis)
+    options = {
+        name: each
+        for name, each in vars(given).items()
+        if name in signature.parameters and each is not None
+    }
+    bound = signature.bind_partial(owner, **options | changes)
+    return getattr(owner, given.analysis.__name__)(*bound.args[1:], **bound.kwargs)
+
+
+def _found(given: argparse.Namespace, **changes: Any) -> Any:
+    """Read the system of a command, and call its method."""
+    system = read_system(given)
+    if given.analysis in _OF_ACCURACY and given.accuracy is not None:
+        # The warnings of the scene are those of `load`.
+        system, changes["accuracy"] = variant(system, accuracy=given.accuracy), None
+    for name in PLACES:
+        if getattr(given, name, None) is not None:
+            changes[name] = items(system, getattr(given, name), name)
+    return _call(system, given, **changes)
+
+
+def _found_or_stopped(
+    answer: Callable[[Any, argparse.Namespace], Answer], given: argparse.Namespace, **changes: Any
+) -> Answer:
+    """Answer with the result of the method of the command, or with its part before Ctrl-C."""
+    given.complete = True
+    try:
+        found = _found(given, **changes)
+    except KeyboardInterrupt as stop:
+        given.complete = False
+        partial = getattr(stop, "response", getattr(stop, "tradeoff", None))
+        if partial is not None and np.size(getattr(partial, "time", 0.0)):
+            stop.answer = answer(partial, given)  # type: ignore[attr-defined]
+        raise
+    return answer(found, given)
+
+
 def _answer(
     given: argparse.Namespace,
     found: Any,
-    speeds: Sequence[float],
     *lines: str,
     draw: "Callable[[], Figure] | None" = None,
     **data: Any,
 ) -> Answer:
-    """Answer with the table of a result between the speeds and further lines."""
+    """Answer with the given speeds, the table of a result and further lines."""
     # The schema names the data, which are those of the result unless the command gives them.
     names = _schemas()["properties"][given.command]["properties"]
     data = _fields(found, *(name for name in names if hasattr(found, name))) | data
+    speeds = _speeds(given)
     head = [speed_line(*speeds)] if speeds else []
     for name in ("figure", "out"):
         if name in given:
@@ -95,6 +139,22 @@ def _answer(
     if draw is None and "figure" in given:
         draw = found.plot
     return Answer("\n".join([*head, found.table(), *lines]), data, draw)
+
+
+def _speeds(given: argparse.Namespace) -> list[float]:
+    """Give the speeds that the command was given, of a range its ends."""
+    if getattr(given, "spectrum", None) is not None:
+        return [case[0] for case in given.spectrum]
+    found: list[float] = []
+    for name in ("first", "speed", "speeds", "end_speed"):
+        one = getattr(given, name, None)
+        found += one if isinstance(one, list) else [] if one is None else [one]
+    return found
+
+
+def result(given: argparse.Namespace) -> Answer:
+    """Print the result of the method of the command."""
+    return _answer(given, _found(given))
 
 
 def _schemas() -> dict[str, Any]:
@@ -107,7 +167,7 @@ def _fields(found: object, *names: str) -> dict[str, Any]:
 
 
 def new(given: argparse.Namespace) -> Answer:
-    """Write the example."""
+    """Write a commented example of a scene file."""
     path, _ = check_name(given.path, [".toml"])
     if path.exists() and not given.force:
         raise SceneError(f"{path}: exists; give another name, or --force to replace it")
@@ -127,30 +187,24 @@ def new(given: argparse.Namespace) -> Answer:
 
 def report(given: argparse.Namespace) -> Answer:
     """Write a report."""
-    out, _ = check_name(given.out or f"{given.scene.stem}.html", [".html"], "--out")
-    if given.speed is not None and len(given.speed) > 2:
-        raise SceneError(f"--speed: give one speed, or two, got {len(given.speed)}")
-    if given.first is not None and given.last is None:
+    given.path, _ = check_name(given.path or f"{given.scene.stem}.html", [".html"], "--out")
+    if given.operating is not None and len(given.operating) > 2:
+        raise SceneError(f"--speed: give one speed, or two, got {len(given.operating)}")
+    if given.first is not None and given.speeds is None:
         raise SceneError("--from: needs --to")
-    if given.last is not None and given.first is None:
+    if given.speeds is not None and given.first is None:
         # Journal bearings carry nothing at speed 0.
-        given.first = as_given(0.05 * given.last, given_unit(given.last))
-    speeds = None if given.last is None else spaced(given)
-    same = ("modes", "endurance_limit", "tensile_strength", "language", "progress")
-    system = read_system(given)
-    operating = speed_of_file(given) if given.speed is None else (given.speed[0], given.speed[-1])
-    system.report(
-        out,
-        operating=operating,
-        speeds=speeds,
-        title=given.title or given.scene.stem,
-        **_fields(given, *same, "company", "author", "document_number", "date"),
-    )
-    return Answer(f"report: {out}", {"file": str(out)})
+        given.first = as_given(0.05 * given.speeds, given_unit(given.speeds))
+    speeds = None if given.speeds is None else spaced(given, "speeds")
+    system, ends = read_system(given), given.operating
+    operating = speed_of_file(given) if ends is None else (ends[0], ends[-1])
+    title = given.title or given.scene.stem
+    _call(system, given, operating=operating, speeds=speeds, title=title)
+    return Answer(f"report: {given.path}", {"file": str(given.path)})
 
 
 def demo(given: argparse.Namespace) -> Answer:
-    """Write the report of an example."""
+    """Write the report of an example, and open it in the browser."""
     machine = example(given.example)
     out, _ = check_name(given.out or f"{machine.name}.html", [".html"], "--out")
     machine.load().report(
@@ -162,7 +216,7 @@ def demo(given: argparse.Namespace) -> Answer:
 
 
 def import_(given: argparse.Namespace) -> Answer:
-    """Print a scene, or the contents of the file."""
+    """Print the scene of a REXS file (.rexs, .rexsj, .rexsz) or a rotor of ROSS (.toml, .json)."""
     read_options(given)  # their errors come before those of the file
     found = format_of(given.scene)
     data: dict[str, object] = {"file": str(given.scene)}
@@ -198,7 +252,7 @@ def _heading(given: argparse.Namespace, contents: RexsContents) -> str:
 
 
 def check(given: argparse.Namespace) -> Answer:
-    """Check a scene."""
+    """Check a scene file, and summarise the system."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         system = read_system(given)
@@ -217,7 +271,7 @@ def check(given: argparse.Namespace) -> Answer:
 
 
 def plot(given: argparse.Namespace) -> Answer:
-    """Draw the train, or the signals of a run."""
+    """Draw the train to scale, or the signals of a run."""
     draw: Callable[[], Figure]
     if is_run(given.scene):
         refuse_options(given)
@@ -237,57 +291,34 @@ def plot(given: argparse.Namespace) -> Answer:
 
 def modes(given: argparse.Namespace) -> Answer:
     """Find modes."""
-    found = read_system(given).modes(given.speed, count=given.count, vibrating=given.vibrating)
+    found = _found(given)
     rows = zip(found.frequencies_hz, found.damping_ratios, found.whirl, found.names(), strict=True)
     keys = ("frequency_hz", "damping_ratio", "whirl", "name")
-    listed = [dict(zip(keys, row, strict=True)) for row in rows]
-    return _answer(given, found, [given.speed] if given.speed else [], modes=listed)
+    return _answer(given, found, modes=[dict(zip(keys, row, strict=True)) for row in rows])
 
 
 def campbell(given: argparse.Namespace) -> Answer:
     """Find the Campbell diagram."""
-    speeds = spaced(given)
-    found = read_system(given).campbell(speeds, count=given.count, harmonics=given.harmonics)
+    found = _call(read_system(given), given, speeds=spaced(given, "speeds"))
     keys = ("speed", "frequency_hz", "damping_ratio", "whirl", "mode")
     crossings = [
         {**_fields(one, *keys), "excited_by": one.line.name} for one in found.intersections
     ]
-    return _answer(given, found, (given.first, given.last), intersections=crossings)
-
-
-def efficiency(given: argparse.Namespace) -> Answer:
-    """Find the losses of the meshes."""
-    return _answer(given, read_system(given).efficiency(given.speed), given.speed)
-
-
-def life(given: argparse.Namespace) -> Answer:
-    """Find the life of the rolling bearings."""
-    options = _fields(given, "speed", "spectrum", "factor", "reliability")
-    found = read_system(given).bearing_life(**options)
-    speeds = [given.speed] if given.spectrum is None else [case[0] for case in given.spectrum]
-    return _answer(given, found, speeds)
-
-
-def stresses(given: argparse.Namespace) -> Answer:
-    """Find the stresses of the shafts."""
-    options = _fields(given, "endurance_limit", "tensile_strength", "line")
-    found = read_system(given).stresses(given.speed, **options)
-    return _answer(given, found, [given.speed])
+    return _answer(given, found, intersections=crossings)
 
 
 def bow_limits(given: argparse.Namespace) -> Answer:
     """Find the limits of a bow."""
-    found = read_system(given).bow_limits(given.shaft, given.speed, phase=given.phase)
-    return _answer(given, found, given.speed, limits=found.found)
+    found = _found(given)
+    return _answer(given, found, limits=found.found)
 
 
 def response(given: argparse.Namespace) -> Answer:
     """Find the response to a harmonic source."""
-    frequencies = spaced(given)
+    frequencies = spaced(given, "frequencies")
     system = read_system(given)
     (at,) = items(system, [given.at], "at")
-    source = _source(given.source)
-    found = system.frequency_response(frequencies, source=source, speed=given.speed)
+    found = _call(system, given, frequencies=frequencies, source=_source(given.source))
     motion: FrequencyQuantity = "twist" if system.motion == "torsion" else "displacement"
     signals: dict[str, Any]
     if is_pair(at):
@@ -325,42 +356,18 @@ def _source(text: str) -> Source:
     return Force(at, **forces[direction])  # type: ignore[arg-type]  # either is a number
 
 
-def _loaded(given: argparse.Namespace) -> RotorSystem:
-    """Load the scene with the accuracy that the command gives."""
-    system = read_system(given)
-    if given.accuracy is None:
-        return system
-    # The warnings of the scene are those of `load`.
-    return variant(system, accuracy=given.accuracy)
-
-
 def run(given: argparse.Namespace) -> Answer:
     """Simulate."""
-    system = _loaded(given)
-    wanted: float | SpeedProfile = given.speed
+    changes = {}
     if given.end_speed is not None:
-        wanted = SpeedProfile.ramp(given.speed, given.end_speed, given.duration)
-    try:
-        found = system.simulate(
-            given.duration,
-            wanted,
-            record=given.record and items(system, given.record, "record"),
-            checkpoint=given.checkpoint,
-            progress=given.progress,
-        )
-    except KeyboardInterrupt as stop:
-        partial: Response | None = getattr(stop, "response", None)
-        if partial is not None and partial.time.size:
-            stop.answer = _saved(partial, given, complete=False)  # type: ignore[attr-defined]
-        raise
-    return _saved(found, given, complete=True)
+        changes["speed"] = SpeedProfile.ramp(given.speed, given.end_speed, given.duration)
+    return _found_or_stopped(_saved, given, **changes)
 
 
-def _saved(found: Response, given: argparse.Namespace, *, complete: bool) -> Answer:
-    ends = [given.speed] + ([] if given.end_speed is None else [given.end_speed])
-    found.speed_unit = given_unit(ends) or found.speed_unit
+def _saved(found: Response, given: argparse.Namespace) -> Answer:
+    found.speed_unit = given_unit(_speeds(given)) or found.speed_unit
     data = {
-        "complete": complete,
+        "complete": given.complete,
         "accuracy": found._level,
         "time": [found.time[0], found.time[-1]],
         "samples": found.time.size,
@@ -370,14 +377,12 @@ def _saved(found: Response, given: argparse.Namespace, *, complete: bool) -> Ans
     }
     lines = [f"{found.statistics.steps} steps, {len(found.events)} events"]
     lines += _save(found, given)
-    return _answer(given, found, ends, *lines, draw=lambda: found.plot(given.kind), **data)
+    return _answer(given, found, *lines, draw=lambda: found.plot(given.kind or "orbits"), **data)
 
 
 def steady(given: argparse.Namespace) -> Answer:
     """Find the steady state."""
-    system = _loaded(given)
-    record = given.record and items(system, given.record, "record")
-    found = system.steady_state(given.speed, record=record, progress=given.progress)
+    found = _found(given)
     multipliers = found.multipliers()
     largest = float(abs(multipliers[0])) if multipliers.size else None
     data = {
@@ -390,7 +395,7 @@ def steady(given: argparse.Namespace) -> Answer:
     state = "stable" if found.is_stable() else f"unstable: {found.instability()}"
     size = "below 0.9" if largest is None else f"{largest:.6g}"
     line = f"{state}; magnitude of the largest multiplier {size}"
-    return _answer(given, found, [given.speed], line, *_save(found, given), **data)
+    return _answer(given, found, line, *_save(found, given), **data)
 
 
 def _save(found: Response | SteadyState, given: argparse.Namespace) -> list[str]:
@@ -427,18 +432,7 @@ def _size(values: Array) -> dict[str, float]:
 
 def tradeoff(given: argparse.Namespace) -> Answer:
     """Measure error and CPU time of many settings."""
-    system = read_system(given)
-    signals = given.signals and items(system, given.signals, "signals")
-    try:
-        found = system.tradeoff(
-            given.duration, given.speed, signals, budget=given.budget, progress=given.progress
-        )
-    except KeyboardInterrupt as stop:
-        partial: Tradeoff[RotorSystem] | None = getattr(stop, "tradeoff", None)
-        if partial is not None:
-            stop.answer = _trials(partial, given)  # type: ignore[attr-defined]
-        raise
-    return _trials(found, given)
+    return _found_or_stopped(_trials, given)
 
 
 def _trials(found: Tradeoff[RotorSystem], given: argparse.Namespace) -> Answer:
@@ -452,7 +446,7 @@ def _trials(found: Tradeoff[RotorSystem], given: argparse.Namespace) -> Answer:
         ],
         "skipped": [str(skipped) for skipped in found.skipped],
     }
-    return _answer(given, found, [found.speed], **data)
+    return _answer(given, found, **data)
 
 
 def orders(given: argparse.Namespace) -> Answer:
@@ -461,7 +455,7 @@ def orders(given: argparse.Namespace) -> Answer:
     response = run.response if isinstance(run, SteadyState) else run
     recorded: list[Any] = response.recorded
     at = recorded[0] if given.at is None else named_item(recorded, given.at, "at")
-    found = response.orders(at, given.quantity, skip_time=given.skip_time)
+    found = _call(response, given, at=at)
     rows = zip(found.orders, found.frequencies_hz, found.amplitudes, strict=True)
     data = {
         "signal": found.label,
@@ -475,7 +469,7 @@ def orders(given: argparse.Namespace) -> Answer:
 
 
 def export(given: argparse.Namespace) -> Answer:
-    """Write a run to a file of another format."""
+    """Write the signals of a run as a table (.csv, .xlsx) or a data set (.nc)."""
     run = read_run(given.run)
     check_output(Path(given.out))
     run.save(given.out)
@@ -484,36 +478,27 @@ def export(given: argparse.Namespace) -> Answer:
 
 def fmu(given: argparse.Namespace) -> Answer:
     """Write a functional mock-up unit."""
-    out, _ = check_name(given.out or f"{given.scene.stem}.fmu", [".fmu"], "--out")
-    system = read_system(given)
-    system.to_fmu(
-        out,
-        given.speed,
-        torque_inputs=items(system, given.torque_input or [], "torque_inputs"),
-        speed_input=given.speed_input,
-        record=given.record and items(system, given.record, "record"),
-        accuracy=given.accuracy,
-    )
-    return Answer(f"unit: {out}", {"file": str(out)})
+    given.path, _ = check_name(given.path or f"{given.scene.stem}.fmu", [".fmu"], "--out")
+    _found(given)
+    return Answer(f"unit: {given.path}", {"file": str(given.path)})
 
 
 def identify(given: argparse.Namespace) -> Answer:
     """Identify unknowns."""
-    unknowns = [parse(text) for text in given.unknown]
+    system, runout = read_system(given), not given.no_runout
+    unknowns = [unknown_of(system, text) for text in given.unknowns]
     measured = [Measurement.read_csv(path, detection=given.detection) for path in given.measured]
-    system = read_system(given)
-    found = identified(system, measured, unknowns, runout=not given.no_runout, noise=given.noise)
-    data: dict[str, Any] = found.to_dict()
-    return _answer(given, found, [], **data)
+    found = identified(system, measured, unknowns, runout=runout, noise=given.noise)
+    return _answer(given, found, **found.to_dict())
 
 
 def skill(_: argparse.Namespace) -> Answer:
-    """Print the guide for coding assistants."""
+    """Print a short guide for coding assistants: calls, units, traps."""
     return Answer(SKILL.read_text(encoding="utf-8").rstrip(), {})
 
 
 def schema(given: argparse.Namespace) -> Answer:
-    """Print the JSON schema of what a command prints."""
+    """Print the JSON schema of what a command prints with --json."""
     schemas = _schemas()
     known = schemas["properties"]
     if given.of not in known:
@@ -523,7 +508,7 @@ def schema(given: argparse.Namespace) -> Answer:
 
 
 def completion(given: argparse.Namespace) -> Answer:
-    """Print the script with which a shell completes the commands."""
+    """Print a script with which a shell completes commands, options and files."""
     with extra("completion"):
         import shtab  # noqa: PLC0415
 

@@ -1,29 +1,31 @@
 """Arguments of commands: how they are declared, which ones commands share, and what they read."""
 
 import argparse
+import inspect
 import re
-from collections.abc import Callable, Container, Iterator
-from functools import partial
+from collections.abc import Callable, Container, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args, get_origin
 
 import numpy as np
 
+from gearbow._convert import nearest
 from gearbow._extras import extra
 from gearbow._files import check_name, check_output
 from gearbow._types import Array
-from gearbow.accuracy import LEVELS
 from gearbow.description.gears import Mesh
 from gearbow.errors import GearbowError, SceneError
 from gearbow.exchange.rexs import rexs_contents
 from gearbow.exchange.rexs_joints import CATALOGUE
+from gearbow.identification import unknown
+from gearbow.identification.unknown import Unknown
 from gearbow.recording import container
 from gearbow.recording.container import ARCHIVE, EXPORT, require_netcdf
 from gearbow.results.response import Response
-from gearbow.results.run_figures import PLOT_KINDS
 from gearbow.results.steady import SteadyState
 from gearbow.system.read import REXS, format_of, read
 from gearbow.system.rotor_system import RotorSystem
+from gearbow.units.fields import DIMENSIONLESS, unit_of
 from gearbow.units.parse import parsed
 from gearbow.units.speed import (
     as_given,
@@ -36,6 +38,9 @@ from gearbow.units.speed import (
 #: What adds an argument, or several, to the parser of a command.
 Argument: TypeAlias = Callable[[argparse.ArgumentParser], "argparse.Action | None"]
 
+#: Parameters that are places, meshes and groups.
+PLACES = ("record", "signals", "torque_inputs")
+
 
 def option(name: str, text: str, read: Callable[[str], object] = str, **settings: Any) -> Argument:
     """Declare an argument: its help, its type, and settings of `ArgumentParser.add_argument`."""
@@ -47,9 +52,67 @@ def flag(name: str, text: str) -> Argument:
     return lambda parser: parser.add_argument(name, action="store_true", help=text)
 
 
-def number(name: str, default: int, text: str) -> Argument:
-    """Declare an option whose value is a whole number."""
-    return option(name, f"{text}; default: {default}", int, default=default)
+def parameter(
+    name: str,
+    option: str = "",
+    text: str = "",
+    *,
+    of: Callable[..., Any] | None = None,
+    **settings: Any,
+) -> Argument:
+    """Declare an option that is a parameter of the method of the command, or of another method."""
+    # Type and default follow from the signature of the method, the help from its documentation;
+    # `text` adds to the help, and `settings` replace what follows.
+    option = option or f"--{name.replace('_', '-')}"
+
+    def add(parser: argparse.ArgumentParser) -> argparse.Action:  # numpydoc ignore=GL08
+        method = of or parser.get_default("analysis")
+        found = _of_signature(inspect.signature(method).parameters[name], option)
+        said = [*_documented(method, name, found | settings), *([text] if text else [])]
+        found["help"] = "; ".join(said).replace("%", "%%")
+        return parser.add_argument(option, dest=name, **found | settings)
+
+    return add
+
+
+def _of_signature(given: inspect.Parameter, option: str) -> dict[str, Any]:
+    """Give the settings of an option that follow from the annotation and the default."""
+    kind = given.annotation
+    if kind is bool:
+        return {"action": "store_true"}
+    has_default = given.default is not given.empty
+    found: dict[str, Any] = {"default": given.default} if has_default else {"required": True}
+    for each in (kind, *get_args(kind)):
+        if get_origin(each) is Literal:
+            return found | {"choices": get_args(each)}
+    found["metavar"] = option.removeprefix("--").upper().replace("-", "_")
+    if given.name in PLACES:
+        return found | {"nargs": "+", "metavar": "ITEM"}
+    text = str(kind)
+    if "ArrayLike" in text or "Sequence" in text:
+        found["nargs"] = "+"
+    if unit_of(given.name) not in (None, DIMENSIONLESS):
+        return found | {"type": quantity(given.name)}
+    return found | {"type": next((each for each in (int, float) if each.__name__ in text), str)}
+
+
+def _documented(
+    method: Callable[..., Any], name: str, settings: Mapping[str, Any]
+) -> Iterator[str]:
+    """Give the beginning of the text about a parameter, and its default."""
+    found = re.search(
+        rf"^(?:\w+, )*{name}(?:, \w+)* : .*\n((?:    .*\n)+)", inspect.getdoc(method) or "", re.M
+    )
+    text = "" if found is None else " ".join(found[1].split())  # python -OO has no documentation
+    first = re.split(r"[.;:](?:\s|$)|, as for `", text)[0].removeprefix("Whether to ")
+    if first:
+        yield first if first[1:2].isupper() else first[0].lower() + first[1:]
+    default = settings.get("default")
+    if default not in (None, ()):
+        yield f"default: {default:g}" if isinstance(default, float) else f"default: {default}"
+    elif not settings.get("required"):
+        for usual in re.findall(r"None (?:is|gives) (.+?)\.(?:\s|$)", text):
+            yield f"default: {usual}"
 
 
 def quantity(field: str) -> Callable[[str], float]:
@@ -57,14 +120,11 @@ def quantity(field: str) -> Callable[[str], float]:
 
     def read(text: str) -> float:  # numpydoc ignore=GL08
         try:
-            return (parsed_speed if field == "speed" else parsed)(text, field, bare=True)
+            return parsed_speed(text, field, bare=True)
         except SceneError as error:
             raise argparse.ArgumentTypeError(str(error).removeprefix(f"{field}: ")) from None
 
     return read
-
-
-speed = quantity("speed")
 
 
 def spectrum_case(text: str) -> tuple[float, float, float]:
@@ -72,18 +132,30 @@ def spectrum_case(text: str) -> tuple[float, float, float]:
     parts = text.split(",")
     if len(parts) != 3:
         raise argparse.ArgumentTypeError(
-            f'must be "speed, torque, share", such as "1500 rpm, 250 N m, 0.6", got "{text}"'
+            f'must be "speed, torque, share", such as "150 rad/s, 250 N m, 0.6", got "{text}"'
         )
     torque, share = quantity("spectrum.torque"), quantity("spectrum.share")
-    return speed(parts[0]), torque(parts[1]), share(parts[2])
+    return quantity("speed")(parts[0]), torque(parts[1]), share(parts[2])
 
 
+def _writable(check: Callable[[str], Path]) -> Callable[[str], Path]:
+    """Make the type of the name of a file that can be written."""
+
+    def read(text: str) -> Path:  # numpydoc ignore=GL08
+        try:
+            path = check(text)
+            check_output(path)
+        except OSError as error:
+            raise argparse.ArgumentTypeError(f"{error.filename}: {error.strerror}") from None
+        except GearbowError as error:
+            raise argparse.ArgumentTypeError(str(error).removeprefix("path: ")) from None
+        return path
+
+    return read
+
+
+@_writable
 def output(text: str) -> Path:
-    """Read the name of a file for signals, and check that it can be written."""
-    return _writable(partial(_check_signals, text))
-
-
-def _check_signals(text: str) -> Path:
     """Require a suffix of a file that holds all signals of a run."""
     path, ending = check_name(text, (ARCHIVE, EXPORT))
     if ending == EXPORT:
@@ -91,51 +163,16 @@ def _check_signals(text: str) -> Path:
     return path
 
 
+@_writable
 def figure(text: str) -> Path:
-    """Read the name of a file for a figure, and check that it can be drawn and written."""
-    return _writable(partial(_check_figure, text))
-
-
-def _check_figure(text: str) -> Path:
     """Require a suffix of a format that matplotlib writes."""
     with extra("plot"):
         from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
     return check_name(text, [f".{each}" for each in sorted(FigureCanvasBase.filetypes)])[0]
 
 
-def _writable(check: Callable[[], Path]) -> Path:
-    """Check the name of a file and that it can be written."""
-    try:
-        path = check()
-        check_output(path)
-    except OSError as error:
-        raise argparse.ArgumentTypeError(f"{error.filename}: {error.strerror}") from None
-    except GearbowError as error:
-        raise argparse.ArgumentTypeError(str(error).removeprefix("path: ")) from None
-    return path
-
-
 JSON = flag("--json", "print JSON in place of text")
 RUN = option("run", "file of a run, .npz", Path)
-SPEED = option(
-    "--speed",
-    'speed of the reference shaft, for example "1500 rpm"; a plain number is in rad/s',
-    speed,
-    required=True,
-)
-SPEEDS = option("--speed", 'for example "1500 rpm"; or several', speed, nargs="+", required=True)
-DURATION = option("--duration", 'for example 0.5 or "500 ms"', quantity("duration"), required=True)
-ENDURANCE_LIMIT = option(
-    "--endurance-limit",
-    'stress amplitude that the shafts endure without a mean stress, for example "250 MPa"',
-    quantity("endurance_limit"),
-)
-TENSILE_STRENGTH = option(
-    "--tensile-strength",
-    'tensile strength of the shafts, for example "700 MPa"; the endurance limit needs it',
-    quantity("tensile_strength"),
-)
-COUNT = number("--count", 10, "number of modes")
 
 
 def progress(parser: argparse.ArgumentParser) -> argparse.Action:
@@ -147,14 +184,13 @@ def progress(parser: argparse.ArgumentParser) -> argparse.Action:
     )
 
 
-ACCURACY = option("--accuracy", "instead of the accuracy of the scene", choices=list(LEVELS))
-RECORD = option(
-    "--record",
-    "names and groups, shaft@position, driver/driven, bearing:shaft@position; default: "
+ACCURACY = parameter("accuracy", help="instead of the accuracy of the scene")
+RECORD = parameter(
+    "record",
+    help="names and groups, shaft@position, driver/driven, bearing:shaft@position; default: "
     "gears and meshes, or disks and bearings without gears",
-    nargs="+",
-    metavar="ITEM",
 )
+SIGNALS = parameter("signals", text="ITEM: a gear, disk, shaft@position or driver/driven")
 SIGNALS_OUT = option(
     "--out", "save the signals, also after Ctrl-C; .npz, or .nc for other programs", output
 )
@@ -176,35 +212,55 @@ def scene(others: str = "") -> Argument:
     return add
 
 
-def kind(default: str | None) -> Argument:
-    """Declare the kind of a figure of a run."""
-    kinds = ", ".join(PLOT_KINDS)
-    return option(
-        "--kind", f"what a figure of a run shows: {kinds}", choices=PLOT_KINDS, default=default
-    )
-
-
 def drawn(name: str, text: str) -> Argument:
     """Declare the file of a figure."""
     metavar = name.removeprefix("--").upper()
     return option(name, text, figure, dest="figure", metavar=metavar)
 
 
-def spaced(given: argparse.Namespace) -> Array:
+KIND = parameter(
+    "kind",
+    of=Response.plot,
+    default=None,
+    help="what a figure of a run shows; default: orbits",
+)
+FIGURE = drawn("--out", "write a figure to this file, for example .png")
+
+
+def from_to(
+    name: str, points: int, first: str, last: str, *, default: Any = None, required: bool = True
+) -> Argument:
+    """Declare speeds or frequencies, a parameter of the method, by their first and last one."""
+
+    def add(parser: argparse.ArgumentParser) -> None:  # numpydoc ignore=GL08
+        read = quantity(name)
+        parser.add_argument(
+            "--from", type=read, dest="first", default=default, help=f"first of the {name}; {first}"
+        )
+        text = f"last of the {name}; {last}"
+        parser.add_argument(
+            "--to", type=read, dest=name, metavar="TO", help=text, required=required
+        )
+        text = f"number of {name}; default: %(default)s"
+        parser.add_argument("--points", type=int, default=points, help=text)
+
+    return add
+
+
+def spaced(given: argparse.Namespace, name: str) -> Array:
     """Give the values of --from, --to and --points."""
-    is_after = given.last > given.first or given.last < -abs(given.first)
-    if given.points < 2 or not is_after:
+    first, last, points = given.first, getattr(given, name), given.points
+    if points < 2 or not (last > first or last < -abs(first)):
         raise SceneError(
             f"--to: need --points of at least 2, and --to above --from or, of negative speeds, "
-            f"below it, got {given.points} points from {given.first:g} to {given.last:g} rad/s"
+            f"below it, got {points} points from {first:g} to {last:g} rad/s"
         )
-    values = np.linspace(given.first, given.last, given.points)
-    found: Array = as_given(values, given_unit((given.first, given.last)))
+    found: Array = as_given(np.linspace(first, last, points), given_unit((first, last)))
     return found
 
 
 def speed_line(*speeds: float) -> str:
-    """Write the speeds in the given unit and in the other one, e.g. "1500 rad/s = 14,324 rpm"."""
+    """Write the speeds in the given unit and in the other one, the given one first."""
     given = given_unit(speeds) or "rad/s"
     other = other_unit(given)
     own = " to ".join(f"{speed_factor(given) * value:.6g}" for value in speeds)
@@ -244,6 +300,25 @@ def named_item(names: Container[Any], text: str, name: str) -> Any:
         return (*group, part, parsed(position, f"{name}.position", bare=True))
     driver, sign, driven = text.partition("/")
     return (driver, driven) if sign else text
+
+
+def unknown_of(system: RotorSystem, given: str) -> Unknown:
+    """Read an unknown, such as "bow:input:2" or "unbalance:input@0.4"."""
+    kind, _, rest = given.partition(":")
+    kinds = ("bow", "unbalance", "runout", "parameter")
+    if kind not in kinds or bool(rest) == (kind == "runout"):
+        raise SceneError(
+            f"unknown: must be bow:SHAFT, bow:SHAFT:SHAPES, unbalance:PLACE, runout or "
+            f"parameter:PATH, got {given!r}{nearest(kind, kinds)}"
+        )
+    if kind == "bow":
+        shaft, _, count = rest.partition(":")
+        if count and not count.isdecimal():
+            raise SceneError(f"unknown: the number of shapes must be a whole number, got {given!r}")
+        return unknown.bow(shaft, int(count or 1))
+    if kind == "unbalance":
+        return unknown.unbalance(items(system, [rest], "unknown")[0])
+    return unknown.parameter(rest) if rest else unknown.runout()
 
 
 #: Words in place of the values of a bearing or coupling.

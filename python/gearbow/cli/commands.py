@@ -1,62 +1,61 @@
-"""The table of commands: name, help, examples, arguments, and the function that answers."""
+"""The table of commands: name, function that answers, method, examples and arguments."""
 
 import argparse
 from collections.abc import Callable
 from pathlib import Path
-from typing import get_args
+from typing import Any
 
-from gearbow._types import StrengthLine
 from gearbow.cli import answers
 from gearbow.cli.answers import Answer
 from gearbow.cli.arguments import (
     ACCURACY,
-    COUNT,
-    DURATION,
-    ENDURANCE_LIMIT,
+    FIGURE,
     JSON,
+    KIND,
     RECORD,
     RUN,
+    SIGNALS,
     SIGNALS_OUT,
-    SPEED,
-    SPEEDS,
-    TENSILE_STRENGTH,
     Argument,
     drawn,
     flag,
-    kind,
-    number,
+    from_to,
     option,
     output,
+    parameter,
     progress,
     quantity,
     scene,
     spectrum_case,
-    speed,
 )
 from gearbow.exchange.tables import DETECTIONS
+from gearbow.identification.identify import identify
 from gearbow.machines.examples import scene_files
+from gearbow.results.response import Response
+from gearbow.system.rotor_system import RotorSystem
 
 
 class Command:
-    """A command: its name, the function that answers it, its help, examples and arguments."""
+    """A command, whose help is that of the method it calls, or of the function that answers it."""
 
+    # The name is that of the function unless it is given. An argument that is a text is a
+    # parameter of the method.
     def __init__(
         self,
-        name: str,
-        call: Callable[[argparse.Namespace], Answer],
-        text: str,
+        answer: Callable[[argparse.Namespace], Answer],
         examples: str,
-        *arguments: Argument,
+        *arguments: Argument | str,
+        method: Callable[..., Any] | None = None,
+        name: str = "",
     ) -> None:
-        self.name, self.call, self.text, self.examples = name, call, text, examples
-        self.arguments = arguments
+        self.answer, self.examples, self.method = answer, examples, method
+        self.arguments = [parameter(one) if isinstance(one, str) else one for one in arguments]
+        self.name = name or answer.__name__.rstrip("_").replace("_", "-")
 
 
 COMMANDS = (
     Command(
-        "new",
         answers.new,
-        "write a commented example of a scene file",
         "  gearbow new\n  gearbow new pump.toml\n  gearbow new --example coaxial reducer.toml",
         option("path", "default: %(default)s", nargs="?", default="scene.toml"),
         option(
@@ -67,47 +66,28 @@ COMMANDS = (
         flag("--force", "replace an existing file"),
     ),
     Command(
-        "report",
         answers.report,
-        "write a report of all analyses as one HTML page",
         '  gearbow report gearbox.toml --speed "1480 rpm"\n'
         '  gearbow report gearbox.toml --speed "1200 rpm" "1480 rpm" --to "3000 rpm" --out g.html',
         scene(),
-        option(
+        parameter(
+            "operating",
             "--speed",
-            'operating speed, or the lowest and the highest, for example "1480 rpm"; default: '
-            "that of the load case of a REXS file; without any, the report has standstill",
-            speed,
+            "default: that of the load case of a REXS file",
             nargs="+",
         ),
-        option(
-            "--from", "lowest speed of the diagrams; default: 5 %% of --to", speed, dest="first"
+        from_to(
+            *("speeds", 100, "default: 5 %% of --to", "default: 150 %% of the operating speed"),
+            required=False,
         ),
-        option(
-            "--to",
-            "highest speed of the diagrams; default: 150 %% of the operating speed",
-            speed,
-            dest="last",
-        ),
-        number("--points", 100, "number of speeds"),
-        number("--modes", 8, "number of modes"),
-        option("--title", "heading; default: the name of the scene file"),
-        ENDURANCE_LIMIT,
-        TENSILE_STRENGTH,
-        option("--company", "company below the heading"),
-        option("--author", "author below the heading"),
-        option("--document-number", "number of the document below the heading"),
-        option("--date", "date of the document below the heading"),
-        option(
-            "--language", "language of the page; default: en", choices=["en", "de"], default="en"
-        ),
-        option("--out", "file .html; default: the name of the scene file"),
+        *("modes", "endurance_limit", "tensile_strength"),
+        *("title", "company", "author", "document_number", "date", "language"),
+        option("--out", "file .html; default: the name of the scene file", dest="path"),
         progress,
+        method=RotorSystem.report,
     ),
     Command(
-        "demo",
         answers.demo,
-        "write the report of an example, and open it in the browser",
         "  gearbow demo\n  gearbow demo gearbox --no-open",
         # A machine with gears and bows that is small.
         option(
@@ -118,13 +98,10 @@ COMMANDS = (
         ),
         option("--out", "file .html; default: the name of the example"),
         flag("--no-open", "do not open the browser"),
-        JSON,
-        progress,
+        *(JSON, progress),
     ),
     Command(
-        "import",
         answers.import_,
-        "print the scene of a REXS file (.rexs, .rexsj, .rexsz) or a rotor of ROSS (.toml, .json)",
         "  gearbow import gearbox.rexs --list\n"
         '  gearbow import gearbox.rexs --load-case 2 --bearing "other=1e8" --out train.toml\n'
         "  gearbow import rotor.json > rotor.toml\n"
@@ -139,110 +116,81 @@ COMMANDS = (
         ),
     ),
     Command(
-        "check",
         answers.check,
-        "check a scene file, and summarise the system",
         "  gearbow check scene.toml\n  gearbow check scene.toml --json",
         scene(),
     ),
     Command(
-        "plot",
         answers.plot,
-        "draw the train to scale, or the signals of a run",
         "  gearbow plot scene.toml\n  gearbow plot scene.toml --out train.svg\n"
         "  gearbow plot run.npz --kind spectrum --out spectrum.png",
         scene("or the file of a run"),
-        kind(None),
+        KIND,
         option("--at", "places or meshes of a run; default: all", nargs="+", metavar="ITEM"),
         drawn("--out", "file of the figure; default: train.png, or the kind of a run"),
     ),
     Command(
-        "modes",
         answers.modes,
-        "print natural frequencies, damping and whirl at one speed",
         '  gearbow modes scene.toml\n  gearbow modes scene.toml --speed "1500 rpm" --count 20',
-        scene(),
-        option("--speed", 'for example "1500 rpm"; default: 0', speed, default=0.0),
-        COUNT,
-        flag("--vibrating", "leave out rigid-body and overdamped motions"),
+        *(scene(), parameter("speed", text="default: 0", default=None)),
+        *(parameter("count", default=10), "vibrating"),
+        method=RotorSystem.modes,
     ),
     Command(
-        "campbell",
         answers.campbell,
-        "print the speeds at which shafts and teeth excite a mode",
         '  gearbow campbell scene.toml --to "6000 rpm"\n'
         '  gearbow campbell scene.toml --to "6000 rpm" --harmonics 0 --out campbell.png',
         scene(),
-        option("--from", "default: 0", speed, default=0.0, dest="first"),
-        option("--to", 'for example "6000 rpm"', speed, required=True, dest="last"),
-        number("--points", 50, "number of speeds"),
-        COUNT,
-        number("--harmonics", 1, "harmonics of the tooth frequencies"),
+        from_to("speeds", 50, "default: 0", 'for example "6000 rpm"', default=0.0),
+        *("count", "harmonics"),
         drawn("--out", "write the diagram to this file, for example .png"),
+        method=RotorSystem.campbell,
     ),
     Command(
-        "efficiency",
-        answers.efficiency,
-        "print the losses of the meshes by friction, and the efficiency of the train",
+        answers.result,
         '  gearbow efficiency scene.toml --speed "1500 rpm"\n'
         '  gearbow efficiency scene.toml --speed "500 rpm" "3000 rpm" --out losses.png',
         scene(),
-        SPEEDS,
-        drawn("--out", "write a figure to this file, for example .png"),
+        parameter("speeds", "--speed"),
+        FIGURE,
+        method=RotorSystem.efficiency,
+        name="efficiency",
     ),
     Command(
-        "stresses",
-        answers.stresses,
-        "print mean and alternating stresses of the turning shafts",
+        answers.result,
         '  gearbow stresses scene.toml --speed "1500 rpm"\n'
         '  gearbow stresses scene.toml --speed "1500 rpm" --endurance-limit "280 MPa"'
         ' --tensile-strength "700 MPa" --line din743',
-        scene(),
-        SPEED,
-        ENDURANCE_LIMIT,
-        TENSILE_STRENGTH,
-        option(
-            "--line", "line of mean stresses", choices=get_args(StrengthLine), default="goodman"
-        ),
-        drawn("--out", "write a figure to this file, for example .png"),
+        *(scene(), "speed", "endurance_limit", "tensile_strength", "line", FIGURE),
+        method=RotorSystem.stresses,
+        name="stresses",
     ),
     Command(
-        "life",
-        answers.life,
-        "print loads, rating life in hours and static safety of the rolling bearings",
+        answers.result,
         '  gearbow life scene.toml --speed "1500 rpm"\n'
         '  gearbow life scene.toml --spectrum "1500 rpm, 250 N m, 0.6" "3000 rpm, 100 N m, 0.4"',
-        scene(),
-        option("--speed", 'for example "1500 rpm"; or give --spectrum', speed),
-        option(
-            "--spectrum",
-            'cases "speed, torque, share of the time"; the torque is that of the drive',
-            spectrum_case,
-            nargs="+",
+        *(scene(), parameter("speed", text="or give --spectrum")),
+        parameter(
+            "spectrum",
+            text='CASE: "speed, torque, share"; the torque is that of the drive',
+            type=spectrum_case,
             metavar="CASE",
         ),
-        option(
-            "--factor", "factor of lubrication and contamination; default: 1", float, default=1.0
-        ),
-        option("--reliability", "from 0.9 to 0.9995; default: 0.9", float, default=0.9),
-        drawn("--out", "write a figure to this file, for example .png"),
+        *("factor", "reliability", FIGURE),
+        method=RotorSystem.bearing_life,
+        name="life",
     ),
     Command(
-        "bow-limits",
         answers.bow_limits,
-        "print the bow of a shaft at which teeth jam, interfere or lose contact",
         '  gearbow bow-limits scene.toml --shaft input --speed "1500 rpm"\n'
         '  gearbow bow-limits scene.toml --shaft input --speed "1500 rpm" --out bow.png',
         scene(),
-        option("--shaft", "one shaft, or several together", nargs="+", required=True),
-        SPEEDS,
-        option("--phase", "angle in the shaft; default: the worst one", quantity("phase")),
-        drawn("--out", "write a figure to this file, for example .png"),
+        parameter("shaft", text="or several together"),
+        *("speed", "phase", FIGURE),
+        method=RotorSystem.bow_limits,
     ),
     Command(
-        "response",
         answers.response,
-        "print or draw the response to a harmonic force, torque or transmission error",
         "  gearbow response train.toml --source input:0.2:y --at pinion --from 1Hz --to 5kHz"
         " --plot frf.png\n"
         '  gearbow response train.toml --source pinion/wheel --at input@0.1 --to 5kHz --speed "50'
@@ -255,103 +203,77 @@ COMMANDS = (
             required=True,
         ),
         option("--at", "pinion, input@0.2, or a mesh pinion/wheel for its force", required=True),
-        option("--from", "default: 1Hz", quantity("frequency"), default="1Hz", dest="first"),
-        option("--to", "for example 5kHz", quantity("frequency"), required=True, dest="last"),
-        number("--points", 1000, "number of frequencies"),
-        option("--speed", 'for example "1500 rpm"; default: 0', speed, default=0.0),
+        from_to("frequencies", 1000, "default: 1Hz", "for example 5kHz", default="1Hz"),
+        parameter("speed", nargs=None, help="speed of the reference shaft [rad/s]; default: 0"),
         drawn("--plot", "write a Bode plot to this file"),
+        method=RotorSystem.frequency_response,
     ),
     Command(
-        "run",
         answers.run,
-        "simulate the motion, print the size of the signals, and save them",
         '  gearbow run scene.toml --duration 0.5 --speed "1500 rpm" --out run.npz\n'
         '  gearbow run scene.toml --duration "10 s" --speed 0 --end-speed "3000 rpm" \\\n'
         "      --record gears meshes shaft@0.25 --checkpoint run.npz",
-        *(scene(), DURATION, SPEED, progress),
-        option("--end-speed", "change the speed linearly to this one", speed),
+        *(scene(), "duration", parameter("speed", nargs=None)),
+        option("--end-speed", "change the speed linearly to this one", quantity("speed")),
         *(ACCURACY, RECORD, SIGNALS_OUT),
-        option(
-            "--checkpoint",
-            "save during the run; the same command continues after an interruption",
-            output,
+        parameter(
+            "checkpoint",
+            text="the same command continues after an interruption",
+            type=output,
         ),
         drawn("--figure", "draw the signals to this file, for example .png"),
-        kind("orbits"),
+        *(KIND, progress),
+        method=RotorSystem.simulate,
     ),
     Command(
-        "steady",
         answers.steady,
-        "find the motion that remains after the transient, and whether it is stable",
         '  gearbow steady scene.toml --speed "1500 rpm" --record gears meshes --out steady.npz',
-        scene(),
-        SPEED,
-        progress,
-        ACCURACY,
-        RECORD,
-        SIGNALS_OUT,
+        *(scene(), "speed", ACCURACY, RECORD, SIGNALS_OUT, progress),
+        method=RotorSystem.steady_state,
     ),
     Command(
-        "tradeoff",
         answers.tradeoff,
-        "measure error and CPU time of methods and settings",
         '  gearbow tradeoff scene.toml --duration 0.1 --speed "1500 rpm" --signals pinion/wheel',
-        *(scene(), DURATION, SPEED, progress),
-        option(
-            "--signals",
-            "a gear, disk, shaft@position or driver/driven; default: the first gear, or "
-            "the first disk without gears",
-            nargs="+",
-            metavar="ITEM",
-        ),
-        option("--budget", "limit of the time; default: 60 s", quantity("budget"), default=60.0),
+        *(scene(), "duration", "speed", SIGNALS, "budget", progress),
+        method=RotorSystem.tradeoff,
     ),
     Command(
-        "orders",
         answers.orders,
-        "print the amplitudes of a run at the orders of shafts and teeth",
         "  gearbow orders run.npz\n"
         "  gearbow orders run.npz --at pinion --quantity z --skip-time 0.1",
-        RUN,
-        JSON,
+        *(RUN, JSON),
         option("--at", "place or mesh; default: the first recorded", metavar="ITEM"),
         option("--quantity", 'for example "z" or "force"; default: y or the force'),
-        number("--count", 12, "number of orders"),
-        option("--skip-time", "time of the transient [s]; default: 0", float, default=0.0),
+        option("--count", "number of orders; default: %(default)s", int, default=12),
+        "skip_time",
+        method=Response.orders,
     ),
     Command(
-        "export",
         answers.export,
-        "write the signals of a run as a table (.csv, .xlsx) or a data set (.nc)",
         "  gearbow export run.npz run.csv\n  gearbow export run.npz run.xlsx",
         RUN,
         option("out", "the new file, .csv, .xlsx, .nc or .npz"),
         JSON,
     ),
     Command(
-        "fmu",
         answers.fmu,
-        "write a functional mock-up unit (FMI 3.0) for other simulation programs",
         '  gearbow fmu train.toml --speed "1500 rpm" --torque-input pinion\n'
         '  gearbow fmu train.toml --speed "1500 rpm" --speed-input "500 rpm" "3000 rpm"'
         " --record gears pinion/wheel --out train.fmu",
-        scene(),
-        SPEED,
-        option(
+        *(scene(), "speed"),
+        parameter(
+            "torque_inputs",
             "--torque-input",
-            "places with an input torque, for example pinion input@0.2",
-            nargs="+",
+            "PLACE: a name or shaft@position",
             metavar="PLACE",
         ),
-        option("--speed-input", "smallest and largest value of an input speed", speed, nargs=2),
-        RECORD,
-        ACCURACY,
-        option("--out", "file .fmu; default: the name of the scene file"),
+        parameter("speed_input", type=quantity("speed"), nargs=2),
+        *(RECORD, ACCURACY),
+        option("--out", "file .fmu; default: the name of the scene file", dest="path"),
+        method=RotorSystem.to_fmu,
     ),
     Command(
-        "identify",
         answers.identify,
-        "find bow, unbalance and run-out from measured once-per-revolution vibration",
         "  gearbow identify scene.toml run_down.csv --unknown bow:input:2 "
         "--unknown unbalance:pinion --plot fit.png\n"
         '  gearbow identify scene.toml run_down.csv --unknown bow:input --noise "1 um"',
@@ -374,33 +296,25 @@ COMMANDS = (
             "parameter:PATH; may be repeated",
             action="append",
             required=True,
+            dest="unknowns",
             metavar="UNKNOWN",
         ),
         flag("--no-runout", "the probes have no unknown run-out"),
-        option(
-            "--noise",
-            'standard deviation of a component, for example "1 um"; default: from the residual',
-            quantity("noise"),
-        ),
+        parameter("noise", text="default: from the residual", nargs=None),
         drawn("--plot", "write a figure to this file"),
+        method=identify,
     ),
     Command(
-        "skill",
         answers.skill,
-        "print a short guide for coding assistants: calls, units, traps",
         "  gearbow skill\n  gearbow skill > AGENTS.md",
     ),
     Command(
-        "schema",
         answers.schema,
-        "print the JSON schema of what a command prints with --json",
         "  gearbow schema modes",
         option("of", "a command, such as modes", metavar="COMMAND"),
     ),
     Command(
-        "completion",
         answers.completion,
-        "print a script with which a shell completes commands, options and files",
         '  eval "$(gearbow completion bash)"                          # in ~/.bashrc\n'
         "  gearbow completion zsh > ~/.zsh/completions/_gearbow        # in a folder of fpath",
         option("shell", "the shell", choices=("bash", "zsh", "tcsh")),

@@ -11,7 +11,7 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from dataclasses import fields, is_dataclass
 from functools import partial
@@ -34,14 +34,8 @@ if TYPE_CHECKING:
 FAILED, INVALID, STOPPED, UNREAD, TERMINATED = 1, 2, 130, 141, 143
 #: Commands of which the help of the program shows an example.
 _FIRST = ("new", "demo", "check", "modes", "run")
-#: Options of arguments of methods with another name; the first one that the command has counts.
-_OTHER_NAMES = {
-    "speeds": ("to", "speed"),
-    "frequencies": ("to",),
-    "operating": ("speed",),
-    "unknowns": ("unknown",),
-    "path": ("path", "out"),
-}
+#: What the help of a command with units says of them.
+_UNITS = 'A number without a unit is in SI units and radians; "500 ms" and "5 mm" have a unit.\n\n'
 
 #: Signals that end a command as Ctrl-C does. SIGBREAK is Ctrl-Break of Windows, the only signal
 #: that another program can send there.
@@ -115,28 +109,35 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     parser.set_defaults(program=parser, commands=commands)
     for command in COMMANDS:
+        text = _summary(command.method or command.answer)
         each = commands.add_parser(
             command.name,
-            help=command.text,
-            description=command.text,
-            epilog=f"examples:\n{command.examples}",
+            help=text,
+            description=text,
+            epilog=f"{_UNITS if command.method else ''}examples:\n{command.examples}",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        actions = [argument(each) for argument in command.arguments]
-        each.set_defaults(call=command.call, options=_options(filter(None, actions)))
+        each.set_defaults(analysis=command.method, answer=command.answer)
+        for one in command.arguments:
+            one(each)
+        each.set_defaults(options=_options(each))
     return parser
 
 
-def _options(actions: Iterable[argparse.Action]) -> dict[str, str]:
-    """Give the options of a command by the names that the methods have for them."""
+def _summary(function: Callable[..., Any]) -> str:
+    """Give the first sentence of the documentation of a function; python -OO has none."""
+    text = (function.__doc__ or "").strip().partition("\n\n")[0].removesuffix(".")
+    return text[:1].lower() + text[1:]
+
+
+def _options(parser: argparse.ArgumentParser) -> dict[str, str]:
+    """Give the options of a command by the names that messages have for them."""
     found = {}
     # The values of an option with choices are valid.
-    for action in (action for action in actions if action.choices is None):
+    for action in (action for action in parser._actions if action.choices is None):
         option = action.option_strings[0] if action.option_strings else action.dest
         found[option.removeprefix("--").replace("-", "_")] = option
-    for name, others in _OTHER_NAMES.items():
-        option = next((found[other] for other in others if other in found), name)
-        found.setdefault(name, option)
+        found[action.dest] = option
     return found
 
 
@@ -145,7 +146,7 @@ def _code(arguments: Sequence[str] | None, given: argparse.Namespace) -> int:
     try:
         _parse(arguments, given)
         warnings.showwarning = partial(_show, given)
-        _write(given.call(given), given)
+        _write(given.answer(given), given)
     except BrokenPipeError:
         raise
     except (SceneError, OSError) as error:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import array
-from gearbow._result import Column, Figured, Written, in_degrees
+from gearbow._result import Column, Figured, WithSpeeds, Written, in_degrees
 from gearbow._shown import ReadOnly, listed
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.balance import Balance, balance, shaft_of_planes, with_unbalances
@@ -17,12 +17,14 @@ from gearbow.description.places import place_label, places
 from gearbow.errors import GearbowError, SceneError
 from gearbow.identification.fit import RELATIVE_STEP
 from gearbow.identification.measurement import Measurement
-from gearbow.identification.responses import LinearModel, assembled
+from gearbow.identification.responses import assembled
 from gearbow.results.synchronous import Synchronous, semi_axes
-from gearbow.units.speed import SpeedUnit, given_unit, shown_unit, speed_factor, speed_text
+from gearbow.units.speed import shown_unit, speed_factor, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from gearbow.identification.result import Identification
 
 #: Samples of the estimates, with a fixed seed: they give limits of 95 % within 0.7 %.
 _SAMPLES = 4000
@@ -33,25 +35,8 @@ _SAME_SPEED = 0.01
 _WRITTEN = Written("µm/(g mm)", 1.0)
 
 
-class Estimates(Generic[S]):
-    """What balancing uses of an identification."""
-
-    system: S
-    values: ComplexArray
-    components: tuple[str, ...]
-    covariance: Array
-    factor: float
-    noise: Array
-    probes: tuple[Any, ...]
-    measurements: tuple[Measurement, ...]
-    fitted: tuple[ComplexArray, ...]
-    speed_unit: SpeedUnit
-    left_out: tuple[str, ...]
-    _model: LinearModel[S] | None
-
-
 @dataclass(frozen=True, eq=False)
-class TrialInfluence(Figured, ReadOnly):
+class TrialInfluence(WithSpeeds, Figured, ReadOnly):
     """Influence coefficients of trial runs, beside those of the identified model.
 
     A coefficient is the change of the 1× vibration of a probe for each unbalance in a plane. That
@@ -72,8 +57,6 @@ class TrialInfluence(Figured, ReadOnly):
         Complex coefficients of the trial run and of the model between the same speeds [m/(kg m)].
     half_widths : ndarray, shape (k,)
         Half width of the 95 % interval of each measured component by the noise [m/(kg m)].
-    speed_unit : str
-        Unit of speeds in tables, as for `table`.
 
     Examples
     --------
@@ -93,7 +76,6 @@ class TrialInfluence(Figured, ReadOnly):
     measured: ComplexArray
     model: ComplexArray
     half_widths: Array
-    speed_unit: SpeedUnit = "rad/s"
 
     def _draw(self, ax: Any) -> "Figure":
         from gearbow.plotting import harmonic as figures  # noqa: PLC0415
@@ -133,7 +115,7 @@ class TrialInfluence(Figured, ReadOnly):
 
 
 @dataclass(frozen=True, eq=False)
-class Correction(Figured, ReadOnly, Generic[S]):
+class Correction(WithSpeeds, Figured, ReadOnly, Generic[S]):
     """Balancing weights and the vibration that they leave.
 
     `plot` draws the major semi-axis of the orbits at the points before and after the
@@ -167,8 +149,6 @@ class Correction(Figured, ReadOnly, Generic[S]):
         Influence coefficients of the model: amplitudes along y and z per unbalance [m/(kg m)].
     system : RotorSystem
         The identified system with the weights.
-    speed_unit : str
-        Unit of speeds in tables and figures, as for `table`.
     trials : TrialInfluence, optional
         Influence coefficients of trial runs with one weight each, beside the model; None without.
     left_out : tuple of str
@@ -177,13 +157,10 @@ class Correction(Figured, ReadOnly, Generic[S]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> probe = gb.Probe("rotor", 0.5)
-    >>> measured = gb.Measurement([10.0, 300.0], [[50e-6], [85e-6]], [probe])
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> measured = gb.Measurement([10.0, 200.0], [[50e-6], [85e-6]], [gb.Probe("rotor", 0.23)])
     >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], runout=False, noise=1e-6)
-    >>> weights = found.balance(("rotor", 0.5), 300.0)
+    >>> weights = found.balance("disk", 200.0)
     >>> weights.remaining_share < 0.01
     True
     """
@@ -200,7 +177,6 @@ class Correction(Figured, ReadOnly, Generic[S]):
     interval: tuple[float, float]
     influence: ComplexArray
     system: S = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
     trials: TrialInfluence | None = field(repr=False, default=None)
     left_out: tuple[str, ...] = ()
 
@@ -257,7 +233,7 @@ class Correction(Figured, ReadOnly, Generic[S]):
 
 
 def correct(
-    found: Estimates[S],
+    found: "Identification[S]",
     planes: At | Sequence[At],
     speeds: "ArrayLike",
     points: At | Sequence[At] | None,
@@ -291,11 +267,10 @@ def correct(
             columns[:, 2 * j : 2 * j + 2] = unit.reshape(-1, 2)
     for i in range(len(model.parameters)):
         columns[:, 2 * len(model.terms) + i] = _by_parameter(found, correction, i).ravel()
-    speed_unit = given_unit(speeds) or found.speed_unit
-    return _with_limits(found, correction, columns, speed_unit)
+    return _with_limits(found, correction, columns)
 
 
-def _probe_places(found: Estimates[S], shaft: str) -> list[At]:
+def _probe_places(found: "Identification[S]", shaft: str) -> list[At]:
     """Give the places of the probes beside a shaft."""
     beside: list[At] = [
         (probe.shaft, probe.position)
@@ -313,7 +288,7 @@ def _read(response: Synchronous, shaft: str, points: Sequence[At]) -> ComplexArr
     return np.stack([response.displacement(point)[:, source] for point in points], axis=1)
 
 
-def _by_parameter(found: Estimates[S], correction: Balance[S], index: int) -> ComplexArray:
+def _by_parameter(found: "Identification[S]", correction: Balance[S], index: int) -> ComplexArray:
     """Differentiate the residual by a parameter, with the weights as they are."""
     model = found._model
     assert model is not None
@@ -337,7 +312,7 @@ def _by_parameter(found: Estimates[S], correction: Balance[S], index: int) -> Co
 
 
 def _with_limits(
-    found: Estimates[S], correction: Balance[S], columns: ComplexArray, speed_unit: SpeedUnit
+    found: "Identification[S]", correction: Balance[S], columns: ComplexArray
 ) -> Correction[S]:
     """Sample the estimates to find the limits of the residual."""
     influences = columns.any(axis=0)
@@ -379,9 +354,8 @@ def _with_limits(
             found.system,
             dict(zip(correction.planes, correction.unbalances.tolist(), strict=True)),
         ),
-        speed_unit=speed_unit,
         left_out=found.left_out,
-        trials=trial_influence(found, speed_unit),
+        trials=trial_influence(found),
     )
 
 
@@ -394,7 +368,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def trial_influence(found: Estimates[Any], speed_unit: SpeedUnit) -> TrialInfluence | None:
+def trial_influence(found: "Identification[Any]") -> TrialInfluence | None:
     """Compare all runs with one trial weight with those without; None without such runs."""
     noise = {one.probe: value for one, value in zip(found.probes, found.noise, strict=True)}
     runs = list(zip(found.measurements, found.fitted, strict=True))
@@ -421,7 +395,7 @@ def trial_influence(found: Estimates[Any], speed_unit: SpeedUnit) -> TrialInflue
         return None
     planes, probes, *numbers = zip(*rows, strict=True)
     speeds, measured, model, scatter = map(np.array, numbers)
-    return TrialInfluence(planes, probes, speeds, measured, model, scatter, speed_unit)
+    return TrialInfluence(planes, probes, speeds, measured, model, scatter)
 
 
 def _same_speeds(trial: Measurement, base: Measurement) -> list[tuple[int, int]]:

@@ -26,6 +26,7 @@ from gearbow.identification.responses import LinearModel, assembled, with_number
 from gearbow.identification.result import Identification, ProbeResidual
 from gearbow.identification.unknown import RunoutUnknown, Unknown, runout as unknown_runout
 from gearbow.units.fields import unit_of
+from gearbow.units.speed import in_given_unit
 
 #: Amplitudes over the standard deviation that a test of 5 % finds in 95 %: the square is the
 #: noncentrality 15.44 of χ² with two degrees of freedom, or (1.960 + 1.645)² with one.
@@ -39,6 +40,7 @@ _ROUND_OFF = 1e-8
 _SMOOTH = NormalDist().inv_cdf(0.999)
 
 
+@in_given_unit
 def identify(
     system: S,
     measured: Measurement | Sequence[Measurement],
@@ -101,20 +103,17 @@ def identify(
 
     Examples
     --------
+    >>> from dataclasses import replace
     >>> import numpy as np
     >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    >>> disk = gb.Disk("disk", "rotor", 0.5, mass=20.0, diametral_inertia=0.1, polar_inertia=0.2)
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05)
-    >>> system = gb.RotorSystem([rotor], bearings=bearings, disks=[disk])
-    >>> bent = system.replace(shafts=[gb.Shaft("rotor", length=1.0, outer_diameter=0.05,
-    ...                                        bow=gb.Bow.half_sine(50e-6))])
-    >>> speeds = np.linspace(20.0, 300.0, 30)
+    >>> bent = gb.examples()["bowed_rotor"].load()
+    >>> system = bent.replace(shafts=[replace(bent.shafts[0], bow=None)])
+    >>> speeds = np.linspace(20.0, 200.0, 30)
     >>> vectors = bent.synchronous(speeds).displacement("disk")[:, 0, :1]
-    >>> measured = gb.Measurement(speeds, vectors, [gb.Probe("rotor", 0.5)])
+    >>> measured = gb.Measurement(speeds, vectors, [gb.Probe("rotor", 0.23)])
     >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], noise=1e-6)
     >>> print(f"{1e6 * abs(found.values[0]):.1f} µm ± {1e6 * found.half_widths[0, 0]:.1f} µm")
-    50.0 µm ± 0.3 µm
+    40.0 µm ± 1.5 µm
     """
     if not isinstance(system, _system_types()):
         raise SceneError(f"system: must be a gb.RotorSystem, got {shown(system)}")
@@ -199,7 +198,6 @@ def result_of(
         measurements=tuple(given),
         fitted=tuple(fitted),
         system=assembled(identified, model, values[:terms].tolist()),
-        speed_unit=given[0].speed_unit,
         left_out=left_out(system),
         _model=model,
     )

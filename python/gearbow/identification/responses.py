@@ -13,7 +13,12 @@ import numpy as np
 from gearbow._convert import nearest, shown
 from gearbow._shown import ReadOnly
 from gearbow._types import Array, At, ComplexArray
-from gearbow.analysis.balance import body_of, with_unbalances
+from gearbow.analysis.balance import (
+    bodies_with,
+    body_of,
+    with_unbalances,
+    without_unbalance,
+)
 from gearbow.analysis.bow_motion import with_elements_for
 from gearbow.analysis.protocol import S, System, variant, without_scene_warnings
 from gearbow.description.bow import Bow, scaled
@@ -354,22 +359,14 @@ def _with_nodes(system: S, terms: Sequence[Term], channels: Iterable[MeasuredCha
         found = with_elements_for(with_unbalances(system, {**places, **zero}), *bows)
         bowed = {name for each in bows for name in each}
         shafts = [replace(s, bow=None) if s.name in bowed else s for s in found.shafts]
-        changes = _changed_bodies(found, {body_of(at): 0.0 for at in zero})
+        changes = bodies_with(found, {body_of(at): 0.0 for at in zero})
         changes["shafts"] = shafts
         made: S = found.replace(**changes)
     return made
 
 
-def _changed_bodies(system: System, unbalances: Mapping[str, complex]) -> dict[str, Any]:
-    """Give gears and disks with other unbalances."""
-    return {
-        "gears": [replace(g, unbalance=unbalances.get(g.name, g.unbalance)) for g in system.gears],
-        "disks": [replace(d, unbalance=unbalances.get(d.name, d.unbalance)) for d in system.disks],
-    }
-
-
 def _without_excitation(system: S) -> S:
-    changes = _changed_bodies(system, dict.fromkeys(shafts_of_bodies(system), 0.0))
+    changes = without_unbalance(system)
     changes["shafts"] = [replace(shaft, bow=None) for shaft in system.shafts]
     with without_scene_warnings():
         made: S = system._variation(**changes)
@@ -380,7 +377,7 @@ def _excited(bare: S, terms: Sequence[Term]) -> S:
     """Give the system with unit terms, of different shafts."""
     bows = {term.shaft: scaled(term.bow, _UNIT["m"]) for term in terms if term.bow is not None}
     planes = {body_of(term.plane): _UNIT["kg m"] for term in terms if term.plane is not None}
-    changes = _changed_bodies(bare, planes)
+    changes = bodies_with(bare, planes)
     changes["shafts"] = [replace(shaft, bow=bows.get(shaft.name)) for shaft in bare.shafts]
     with without_scene_warnings():
         made: S = bare._variation(**changes)
@@ -399,7 +396,7 @@ def assembled(system: S, model: LinearModel[S], values: Sequence[complex]) -> S:
             bodies[body_of(term.plane)] = 0.0
             planes[term.plane] = value
     with without_scene_warnings():
-        changes = _changed_bodies(system, bodies)
+        changes = bodies_with(system, bodies)
         changes["shafts"] = [
             replace(shaft, bow=_sum(curves[shaft.name], _length(shaft)))
             if shaft.name in curves

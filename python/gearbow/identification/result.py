@@ -2,21 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearbow._convert import nearest, text
-from gearbow._result import Column, Figured, in_degrees
+from gearbow._result import Column, Figured, WithSpeeds, in_degrees
 from gearbow._shown import ReadOnly, Shown, listed, short
 from gearbow._types import Array, At, ComplexArray
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError
-from gearbow.identification.correction import Correction, Estimates, correct
+from gearbow.identification.correction import Correction, correct
 from gearbow.identification.measurement import Measurement
 from gearbow.identification.responses import LinearModel
-from gearbow.units.speed import SpeedUnit, speed_factor
+from gearbow.units.speed import in_given_unit, speed_factor
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,7 +59,7 @@ class ProbeResidual(Shown):
 
 
 @dataclass(frozen=True, eq=False)
-class Identification(Figured, ReadOnly, Estimates[S]):
+class Identification(WithSpeeds, Figured, ReadOnly, Generic[S]):
     """Unknowns of a system, estimated from measured 1× vibration.
 
     `plot` has five panels: measured and fitted phase and amplitude over the speed, vectors in
@@ -103,8 +103,6 @@ class Identification(Figured, ReadOnly, Estimates[S]):
         Fitted amplitudes [m]; NaN where none was measured.
     system : RotorSystem
         The system with the identified values.
-    speed_unit : str
-        Unit of speeds in tables and figures, as for `table`.
     left_out : tuple of str
         Excitations of the system that the model of the vibration does not contain.
 
@@ -118,14 +116,11 @@ class Identification(Figured, ReadOnly, Estimates[S]):
     --------
     >>> import numpy as np
     >>> import gearbow as gb
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8, damping=1e3) for x in (0.0, 1.0)]
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4)
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> probe = gb.Probe("rotor", 0.5)
-    >>> measured = gb.Measurement([10.0, 300.0], [[50e-6], [85e-6]], [probe])
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> measured = gb.Measurement([10.0, 200.0], [[50e-6], [85e-6]], [gb.Probe("rotor", 0.23)])
     >>> found = gb.identify(system, measured, [gb.unknown.bow("rotor")], runout=False, noise=1e-6)
     >>> found.names, f"{1e6 * found.half_widths[0, 0]:.1f} µm"
-    (('bow of rotor, half wave 1',), '1.2 µm')
+    (('bow of rotor, half wave 1',), '1.1 µm')
     """
 
     names: tuple[str, ...]
@@ -144,7 +139,6 @@ class Identification(Figured, ReadOnly, Estimates[S]):
     measurements: tuple[Measurement, ...]
     fitted: tuple[ComplexArray, ...]
     system: S = field(repr=False)
-    speed_unit: SpeedUnit = "rad/s"
     left_out: tuple[str, ...] = ()
     _model: LinearModel[S] | None = field(repr=False, default=None)
 
@@ -225,6 +219,7 @@ class Identification(Figured, ReadOnly, Estimates[S]):
             )
         return complex(self.values[self.names.index(name)])
 
+    @in_given_unit
     def balance(
         self,
         planes: At | Sequence[At],

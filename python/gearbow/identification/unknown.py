@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from gearbow._convert import array, nearest, number, positive, text, whole
+from gearbow._convert import array, number, positive, text, whole
 from gearbow._shown import Shown
 from gearbow._types import At
 from gearbow.description.places import place
@@ -156,33 +156,6 @@ def parameter(path: str, *, prior: tuple[float, float] | None = None) -> Paramet
         if value == 0.0:
             raise SceneError("unknown.parameter.prior[0]: must not be zero")
     return ParameterUnknown(text(path, "unknown.parameter.path"), expected)
-
-
-def parse(given: str) -> Unknown:
-    """Read an unknown of the command line, such as "bow:input:2" or "unbalance:input@0.4"."""
-    kind, _, rest = given.partition(":")
-    kinds = ("bow", "unbalance", "runout", "parameter")
-    if kind not in kinds or bool(rest) == (kind == "runout"):
-        raise SceneError(
-            f"unknown: must be bow:SHAFT, bow:SHAFT:SHAPES, unbalance:PLACE, runout or "
-            f"parameter:PATH, got {given!r}{nearest(kind, kinds)}"
-        )
-    if kind == "runout":
-        return runout()
-    if kind == "parameter":
-        return parameter(rest)
-    if kind == "bow":
-        shaft, _, count = rest.partition(":")
-        if count and not count.isdecimal():
-            raise SceneError(f"unknown: the number of shapes must be a whole number, got {given!r}")
-        return bow(shaft, int(count or 1))
-    name, sign, position = rest.rpartition("@")
-    if not sign:
-        return unbalance(rest)
-    try:
-        return unbalance((name, float(position)))
-    except ValueError:
-        raise SceneError(f"unknown: the position must be a number [m], got {given!r}") from None
 
 
 def _prior(given: float | None, kind: str) -> float | None:

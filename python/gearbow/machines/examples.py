@@ -8,11 +8,11 @@ from gearbow._convert import nearest
 from gearbow._shown import Shown
 from gearbow.errors import SceneError
 from gearbow.system.rotor_system import RotorSystem
-from gearbow.units.speed import rpm
+from gearbow.units.speed import parsed_speed
 
 #: First line of a file: what the machine is. Its line with the rated speed.
 _TITLE = re.compile(r"# (.+?)\.?\n")
-_SPEED = re.compile(r"^# Rated speed: ([\d.]+) (rpm|rad/s)", re.MULTILINE)
+_SPEED = re.compile(r"^# Rated speed: ([\d.]+ [a-z/]+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,7 @@ def described(path: Path) -> Example:
     title, found = _TITLE.match(header), _SPEED.search(header)
     if title is None or found is None:
         raise SceneError(f"{path}: the header must name the machine and its rated speed")
-    speed = rpm(float(found[1])) if found[2] == "rpm" else float(found[1])
-    return Example(path.stem, title[1], speed, path)
+    return Example(path.stem, title[1], parsed_speed(found[1], "speed"), path)
 
 
 def example(name: str) -> Example:

@@ -97,14 +97,10 @@ class Orders(WithSpeeds, Result, ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> middle = ("rotor", 0.5)
-    >>> response = system.simulate(0.5, 100.0, record=[middle], output_step=1e-3)
-    >>> print(f"{1e6 * response.orders(middle).amplitude('1× rotor'):.1f} µm")
-    102.6 µm
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> response = system.simulate(0.5, 100.0, record=["disk"], output_step=1e-3)
+    >>> print(f"{1e6 * response.orders('disk').amplitude('1× rotor'):.1f} µm")
+    33.1 µm
     """
 
     orders: tuple[Order, ...]

@@ -140,14 +140,9 @@ class Spectrum(WithSpeeds, Figured, ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> middle = ("rotor", 0.5)
-    >>> response = system.simulate(0.5, 100.0, record=[middle], output_step=1e-3)
-    >>> response.spectrum(middle)
-    Spectrum(rotor at 0.5 m y [m]; 250 frequencies)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> system.simulate(0.5, 100.0, record=["disk"], output_step=1e-3).spectrum("disk")
+    Spectrum(disk y [m]; 250 frequencies)
     """
 
     frequencies_hz: Array
@@ -289,13 +284,10 @@ class Waterfall(WithSpeeds, Result, ReadOnly):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> options = {"record": [("rotor", 0.5)], "output_step": 1e-3}
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> options = {"record": ["disk"], "output_step": 1e-3}
     >>> runs = [system.simulate(0.5, speed, **options) for speed in (100.0, 120.0)]
-    >>> gb.waterfall(runs, ("rotor", 0.5)).amplitudes.shape
+    >>> gb.waterfall(runs, "disk").amplitudes.shape
     (2, 250)
     """
 
@@ -416,17 +408,10 @@ def waterfall(
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem(shafts=[rotor], bearings=bearings)
-    >>> middle = ("rotor", 0.5)
-    >>> runs = [
-    ...     system.simulate(1.0, speed, output_step=1e-3, record=[middle])
-    ...     for speed in (100.0, 200.0)
-    ... ]
-    >>> result = gb.waterfall(runs, middle)
-    >>> result.amplitudes.shape
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> options = {"record": ["disk"], "output_step": 1e-3}
+    >>> runs = [system.simulate(1.0, speed, **options) for speed in (100.0, 200.0)]
+    >>> gb.waterfall(runs, "disk").amplitudes.shape
     (2, 500)
     """
     if isinstance(responses, Sequence) or not hasattr(responses, "_to_record"):

@@ -3,6 +3,6 @@
 Global settings of matplotlib do not change.
 """
 
-from gearbow.plotting.style import PALETTE, STYLE, equal_ranges, legend, panels
+from gearbow.plotting.style import PALETTE, STYLE, equal_ranges, panels
 
-__all__ = ["PALETTE", "STYLE", "equal_ranges", "legend", "panels"]
+__all__ = ["PALETTE", "STYLE", "equal_ranges", "panels"]

@@ -16,11 +16,12 @@ from gearbow.plotting.style import (
     GivenAxes,
     colour,
     common_round_off,
-    label_x,
-    legend,
+    legend_entries,
     log_scale,
+    named_bars,
     named_ticks,
     panels,
+    place_legend,
     remark,
     speed_axis,
     text_size,
@@ -44,7 +45,8 @@ def balance(
     """Draw the deflection at the points before and after the correction, a panel for each speed."""
     named = any(isinstance(point, str) for point in points)
     x = np.arange(len(points)) if named else np.array(points)
-    with panels(len(speeds), 3.4, columns=1, sharex=True, ax=ax) as (figure, axes):
+    label_of_x = "measuring point" if named else "position [m]"
+    with panels(len(speeds), 3.4, sharex=True, ax=ax, x=label_of_x) as (figure, axes):
         for number, (panel, speed) in enumerate(zip(axes, speeds, strict=True)):
             parts = {"before": before[number], "predicted with the correction": residual[number]}
             for i, (name, values) in enumerate(parts.items()):
@@ -62,8 +64,6 @@ def balance(
             panel.set(ylabel=label)
             panel.set_ylim(bottom=0.0)
             panel.set_title(f"at {speed}", loc="left", fontsize=text_size(1.0))
-        label_x(axes, "measuring point" if named else "position [m]")
-        legend(figure, axes[0], ax=ax)
     return figure
 
 
@@ -85,7 +85,7 @@ def bow_limits(
         at = f"at {speed_text(float(speeds[0]))}"
         return _at_one_speed(single, MICRO * present, f"{label} [µm], {at}", ax=ax)
     factor, axis = speed_axis()
-    with panels(1, 6.0, columns=1, width=10.0, ax=ax) as (figure, (panel,)):
+    with panels(1, 6.0, width=10.0, ax=ax) as (figure, (panel,)):
         reached = {name: MICRO * bows for name, bows in lines.items() if np.any(np.isfinite(bows))}
         # `lines` ascend: the further ones are above all of these.
         for number, (name, bows) in enumerate(list(reached.items())[: len(PALETTE)]):
@@ -109,7 +109,6 @@ def bow_limits(
         if speeds.size > 1 and not panel.dataLim.width > 0.0:  # no limit has a curve
             panel.set_xlim(*sorted(factor * speeds[[0, -1]]))
         panel.set(xlabel=axis, ylabel=f"{label} [µm]")
-        legend(figure, panel, ax=ax)
     return figure
 
 
@@ -118,12 +117,12 @@ def _at_one_speed(
 ) -> Figure:
     """Draw a bar for each of the first limits, and the present bow as a line."""
     shown = [(name, bow) for name, bow in bows.items() if np.isfinite(bow)][: len(PALETTE)]
-    with panels(1, 0.5 * len(shown) + 1.2, columns=1, ax=ax) as (figure, (panel,)):
+    with panels(1, 0.5 * len(shown) + 1.2, ax=ax) as (figure, (panel,)):
         names = [f"{name}: exceeded without bow" if bow == 0.0 else name for name, bow in shown]
         for row, (_, bow) in enumerate(shown):
             exceeded = bow < present
             panel.barh(row, bow, height=0.55, color=PALETTE[1 if exceeded else 0])
-        named_ticks(panel.yaxis, range(len(shown)), names)
+        named_bars(panel, names)
         panel.set_ylim(max(len(shown), 1) - 0.5, -0.5)
         if present > 0.0:
             panel.axvline(present, color="0.2", linewidth=2.5, label="present bow")
@@ -133,7 +132,6 @@ def _at_one_speed(
             panel.set_xlim(0.5 * min(sizes), 1.2 * max(sizes))
         else:
             panel.set_xlim(0.0, 1.08 * max(sizes, default=1.0))
-        panel.grid(visible=False, axis="y")
         panel.set(xlabel=label)
         if not shown:
             remark(panel, "no limit is reached")
@@ -141,7 +139,6 @@ def _at_one_speed(
             left = len(bows) - len(shown)
             limits = "limits are" if left > 1 else "limit is"
             remark(panel, f"{left} further {limits} above, or not reached")
-        legend(figure, panel, ax=ax)
     return figure
 
 
@@ -160,7 +157,7 @@ def branch(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw a branch: stable parts solid, unstable ones dashed; markers for points and open ends."""
-    with panels(1, 4.5, columns=1, width=7.0, ax=ax) as (drawing, (axes,)):
+    with panels(1, 4.5, width=7.0, ax=ax, legend=False) as (drawing, (axes,)):
         named = set()
         for is_stable, group in groupby(
             range(values.size - 1), key=lambda i: stable[i : i + 2].all()
@@ -210,21 +207,17 @@ def losses(
     total = shares.sum(axis=1)
     label = "loss by friction of teeth [% of input power]"
     height = 1.6 + 0.45 * len(names) if speeds.size == 1 else 5.0
-    with panels(1, height, columns=1, width=9.0, ax=ax) as (figure, (panel,)):
+    with panels(1, height, width=9.0, ax=ax) as (figure, (panel,)):
         if speeds.size == 1:
-            rows = np.arange(len(names) + 1)
-            values = np.append(shares[0], total[0])
-            panel.barh(rows, values, color=[colour(0)] * len(names) + ["0.4"])
-            named_ticks(panel.yaxis, rows, [*names, "train"])
-            panel.invert_yaxis()
-            panel.grid(visible=False, axis="y")
+            values, shades = [*shares[0], total[0]], [colour(0)] * len(names) + ["0.4"]
+            panel.barh(range(len(values)), values, color=shades)
+            named_bars(panel, [*names, "train"])
             panel.set(xlabel=label, ylabel="mesh", title=speed_text(speeds[0], form=".5g"))
         else:
             for i, (name, values) in enumerate(zip(names, shares.T, strict=True)):
                 panel.plot(factor * speeds, values, color=colour(i), label=name)
             panel.plot(factor * speeds, total, color="0.2", linewidth=2.5, label="train")
             panel.set(xlabel=axis, ylabel=label)
-            legend(figure, panel, ax=ax)
         panel.margins(y=0.08)
     return figure
 
@@ -244,17 +237,16 @@ def tornado(
     """Draw bars of the effect of each parameter on each output, the largest on top."""
     count, bars = max(len(outputs), 1), min(len(parameters), _BARS)
     height = 1.6 + 0.45 * bars
-    with panels(count, height, columns=1, width=10.0, ax=ax) as (figure, found):
+    with panels(count, height, width=10.0, ax=ax) as (figure, found):
         if not outputs:
             remark(found[0], "no mode with stiffness")
         for panel, output, column in zip(found, outputs, effects.T, strict=False):
-            order = np.argsort(-np.abs(column), kind="stable")[:_BARS][::-1]
+            order = np.argsort(-np.abs(column), kind="stable")[:_BARS]
             values = column[order]
             colours = [PALETTE[0] if value >= 0.0 else PALETTE[1] for value in values]
-            panel.barh(np.arange(order.size), values, color=colours)
-            named_ticks(panel.yaxis, np.arange(order.size), [parameters[i] for i in order])
+            panel.barh(range(order.size), values, color=colours)
+            named_bars(panel, [parameters[i] for i in order])
             panel.axvline(0.0, color="0.2", linewidth=1.0)
-            panel.grid(visible=False, axis="y")
             # Round-off is no effect: the axis shows at least a thousandth of a percent.
             most = max(float(np.max(np.abs(values), initial=0.0)), 1e-3)
             panel.set_xlim(-1.1 * most, 1.1 * most)
@@ -280,7 +272,7 @@ def sweep(
     points = [np.array(axis)[order] for axis, order in zip(axes.values(), orders, strict=True)]
     found = values[np.ix_(*orders)]
     if len(names) == 1:
-        with panels(1, 4.5, columns=1, width=7.0, ax=ax) as (figure, (panel,)):
+        with panels(1, 4.5, width=7.0, ax=ax) as (figure, (panel,)):
             panel.plot(points[0], found, "o-", color=PALETTE[0], markersize=4.0)
             panel.set(xlabel=labels[names[0]], ylabel=labels[name])
         return figure
@@ -305,26 +297,22 @@ def stability(speeds: Array, gain: ComplexArray, growth: Array, ax: GivenAxes = 
     """Draw the loop gain, and the growth in each minute, over the speed."""
     factor, label = speed_axis()
     speeds = factor * speeds
-    with panels(2, 3.4, columns=1, sharex=True, ax=ax) as (figure, axes):
-        upper, lower = axes
+    with panels(2, 3.4, sharex=True, ax=ax, x=label) as (figure, (upper, lower)):
         upper.plot(speeds, gain.real, color=PALETTE[0], label="real part")
         upper.plot(speeds, gain.imag, "--", color=PALETTE[1], label="imaginary part")
         upper.axhline(1.0, color="black", linewidth=1.0, linestyle=":", label="limit")
         upper.set_ylabel("loop gain")
-        legend(figure, upper, ax=ax)
         lower.plot(speeds, growth, color=PALETTE[0])
         lower.axhline(0.0, color="black", linewidth=1.0, linestyle=":")
         grows = np.maximum(growth, 0.0)
         lower.fill_between(speeds, 0.0, grows, color=PALETTE[1], alpha=0.3, linewidth=0.0)
         lower.set_ylabel("growth [1/min]")
-        label_x(axes, label)
     return figure
 
 
 def spiral(time: Array, vibration: ComplexArray, ax: GivenAxes = None) -> Figure:
     """Draw the vibration [m] as a spiral, and its amplitude over time [s]."""
-    with panels(2, 5.0, columns=2, ax=ax) as (figure, axes):
-        plane, over_time = axes
+    with panels(2, 5.0, columns=2, ax=ax) as (figure, (plane, over_time)):
         scaled = MICRO * vibration
         plane.plot(scaled.real, scaled.imag, color=PALETTE[0])
         plane.plot(scaled.real[:1], scaled.imag[:1], "o", color=PALETTE[1])
@@ -357,7 +345,7 @@ def work_precision(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the CPU time against the error, both on logarithmic axes."""
-    with panels(1, 6.2, columns=1, ax=ax) as (figure, (panel,)):
+    with panels(1, 6.2, ax=ax, legend=False) as (figure, (panel,)):
         for i, (name, (x, y)) in enumerate(methods.items()):
             marker = f"-{_METHODS[i % len(_METHODS)]}"
             panel.plot(x, y, marker, color=colour(i), ms=9.0, label=name)
@@ -390,7 +378,8 @@ def lives(bearings: Sequence[str], hours: Mapping[str, Array], ax: GivenAxes = N
     finite = [value for each in hours.values() for value in each if np.isfinite(value)] or [1.0]
     edge = 10.0 * max(finite)
     height = 0.8 / len(hours)
-    with panels(1, 1.5 + 0.4 * len(bearings), columns=1, ax=ax) as (figure, (panel,)):
+    many = len(hours) > 1
+    with panels(1, 1.5 + 0.4 * len(bearings), ax=ax, legend=many) as (figure, (panel,)):
         places = np.arange(len(bearings))
         for i, (name, values) in enumerate(hours.items()):
             own = np.where(np.isfinite(values), values, edge)
@@ -398,11 +387,8 @@ def lives(bearings: Sequence[str], hours: Mapping[str, Array], ax: GivenAxes = N
             panel.barh(places + shift, own, height, color=colour(i), label=name)
         panel.set_xscale("log")
         panel.set_xlim(min(finite) / 10.0, edge)
-        named_ticks(panel.yaxis, places, list(bearings))
-        panel.invert_yaxis()
+        named_bars(panel, bearings)
         panel.set_xlabel("life [h]")
-        if len(hours) > 1:
-            legend(figure, panel, ax=ax)
     return figure
 
 
@@ -421,7 +407,8 @@ def film(
 ) -> Figure:
     """Draw pads, journal and pressure across the shaft, and the film over the angle."""
     highest = max(float(pad.pressure.max()) for pad in pads)
-    with panels(3, 4.4, columns=3, width=14.0, ax=ax) as (figure, (across, thickness, pressure)):
+    with panels(3, 4.4, columns=3, width=14.0, ax=ax, legend=False) as (figure, axes):
+        across, thickness, pressure = axes
         centre = complex(*place) / clearance
         turn = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
         _fill(across, centre + _JOURNAL_RADIUS * turn, fc="0.85", ec="black", label="journal")
@@ -458,7 +445,7 @@ def film(
         thickness.set_ylim(bottom=0.0)
         pressure.set(xlabel="angle from y towards z [°]", ylabel="pressure [MPa]")
         pressure.set_ylim(bottom=0.0)
-        legend(figure, across, ax=ax)
+        place_legend(figure, across, legend_entries([across]), ax=ax)
         if len(pads) > 1 and ax is None:
             thickness.legend()
     return figure
@@ -493,7 +480,8 @@ def section_forces(courses: Mapping[str, Course], *, ax: GivenAxes = None) -> Fi
     """Draw axial and shear force, bending moment and torque along shafts, a column for each."""
     columns = len(courses)
     count, width = len(_PANELS) * columns, max(7.0, 4.6 * columns)
-    with panels(count, 2.1, columns=columns, width=width, sharex=True, ax=ax) as (figure, axes):
+    shared: dict[str, Any] = {"columns": columns, "width": width, "sharex": True, "legend": False}
+    with panels(count, 2.1, ax=ax, **shared) as (figure, axes):
         for column, (shaft, course) in enumerate(courses.items()):
             own = axes[column::columns]
             for panel, (label, lines) in zip(own, _PANELS, strict=True):
@@ -535,9 +523,8 @@ def stresses(courses: Mapping[str, Sequence[Array]], *, ax: GivenAxes = None) ->
     # A row for each shaft: a page is as wide for many shafts as for one.
     has_limit = any(np.isfinite(course[3]).any() for course in courses.values())
     columns = 1 + has_limit
-    with panels(
-        columns * len(courses), 2.6, columns=columns, width=7.0 if columns == 1 else 12.0, ax=ax
-    ) as (figure, axes):
+    count, width = columns * len(courses), 7.0 if columns == 1 else 12.0
+    with panels(count, 2.6, columns=columns, width=width, ax=ax, legend=False) as (figure, axes):
         for row, (shaft, (x, amplitude, mean, utilisation)) in enumerate(courses.items()):
             own = axes[row * columns : (row + 1) * columns]
             own[0].plot(x, 1e-6 * amplitude, color=colour(0), label="amplitude, with notch factors")

@@ -18,8 +18,6 @@ from gearbow.plotting.style import (
     MARKS,
     OPERATING,
     GivenAxes,
-    label_x,
-    legend,
     log_scale,
     panels,
     place_legend,
@@ -80,7 +78,7 @@ def campbell(
         whirl = np.concatenate([whirl[1:2], whirl[1:]])
     percent = [(mode, x, y, 100.0 * z) for mode, x, y, z in intersections]
     percent += [(mode, x, y, 0.0) for mode, x, y in thresholds]
-    with panels(2, 4.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(2, 4.6, sharex=True, ax=ax, x=label, legend=False) as (figure, axes):
         upper, lower = axes
         for panel in axes:
             for span in unstable:
@@ -111,7 +109,6 @@ def campbell(
         upper.set(ylabel="frequency [Hz]")
         lower.set(ylabel="damping ratio [%]")
         _scale(lower, 100.0 * damping_ratios, signed=bool(thresholds))
-        label_x(axes, label)
         entries = _legend(whirl, bool(intersections), bool(thresholds))
         if len(unstable) > 0:
             entries["unstable"] = Patch(**_UNSTABLE)
@@ -268,7 +265,7 @@ def critical_speed_map(
 ) -> Figure:
     """Draw critical speeds against the bearing stiffness."""
     factor, axis = speed_axis()
-    with panels(1, 6.0, columns=1, width=9.0, ax=ax) as (figure, (panel,)):
+    with panels(1, 6.0, width=9.0, ax=ax) as (figure, (panel,)):
         for whirl, (shade, line, mark) in MARKS.items():
             style: dict[str, Any] = {
                 "color": shade,
@@ -287,7 +284,6 @@ def critical_speed_map(
         panel.set(ylabel=f"critical {axis}" + (" × −1" if order < 0.0 else ""))
         if order != 1.0:
             panel.set(title=f"excitation of the order {order:g}")
-        legend(figure, panel, ax=ax)
     return figure
 
 

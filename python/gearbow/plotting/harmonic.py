@@ -15,8 +15,7 @@ from gearbow.plotting.style import (
     MICRO,
     GivenAxes,
     colour,
-    label_x,
-    legend,
+    legend_entries,
     log_scale,
     panels,
     place_legend,
@@ -78,7 +77,7 @@ def bode(
     factor, label = speed_axis() if over == "speed" else (0.5 / np.pi, "frequency [Hz]")
     marked: list[tuple[tuple[float, float], str, Any]] = []
     still: list[str] = []
-    with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(2, 3.6, sharex=True, ax=ax, x=label) as (figure, axes):
         amplitudes, phases = axes if frf else axes[::-1]
         for panel in axes if operating is not None else ():
             shade_operating(panel, factor * np.array(operating))
@@ -110,12 +109,10 @@ def bode(
             remark(axes[0], f"not excited: {', '.join(still)}")
         phases.set(ylabel="phase [°]")
         amplitudes.set(ylabel=f"{name if frf else 'amplitude'} [{shown}]")
-        label_x(axes, label)
         if frf:
             log_scale(amplitudes)
         else:
             _scale(amplitudes, has_peaks=bool(marked))
-        legend(figure, axes[0], ax=ax)
     _name(amplitudes, marked)
     return figure
 
@@ -151,7 +148,7 @@ def polar(
     """Draw curves in the complex plane; with `ends`, speeds at ends and maximum."""
     _, shown, scale = _QUANTITIES[unit]
     named: list[tuple[tuple[float, float], str, Any]] = []
-    with panels(1, 7.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
+    with panels(1, 7.0, width=8.0, ax=ax) as (figure, (panel,)):
         for number, (name, curve) in enumerate(curves.items()):
             style: dict[str, Any] = {"color": colour(number), "label": name}
             points = scale * curve.size * np.exp(1j * curve.phase)
@@ -170,7 +167,6 @@ def polar(
         # Labels such as −0.0025 are longer than Matplotlib expects.
         panel.locator_params(axis="x", nbins=5)
         panel.set(xlabel=f"real part [{shown}]", ylabel=f"imaginary part [{shown}]")
-        legend(figure, panel, ax=ax)
     _name(panel, named)
     return figure
 
@@ -186,7 +182,7 @@ def waterfall(
 ) -> Figure:
     """Draw amplitudes over frequency and speed as a map."""
     _, shown, scale = _QUANTITIES[unit]
-    with panels(1, 6.0, columns=1, width=10.0, ax=ax) as (figure, (panel,)):
+    with panels(1, 6.0, width=10.0, ax=ax) as (figure, (panel,)):
         hertz, label = frequencies / (2.0 * np.pi), f"{name} [{shown}]"
         factor, axis = speed_axis()
         least = float(np.min(amplitudes, where=amplitudes > 0.0, initial=amplitudes.max()))
@@ -204,7 +200,8 @@ def synchronous(
 ) -> Figure:
     """Draw the major semi-axis of the orbits against the speed."""
     factor, label = speed_axis()
-    with panels(len(orbits), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
+    shared: dict[str, Any] = {"sharex": True, "x": label, "legend": "excited by the shaft"}
+    with panels(len(orbits), 3.2, ax=ax, **shared) as (figure, axes):
         largest = max(float(orbit.max(initial=0.0)) for orbit in orbits.values())
         least = max(_VISIBLE * largest, min(_TINY, 1e-2 * largest))
         for panel, (name, orbit) in zip(axes, orbits.items(), strict=True):
@@ -220,14 +217,6 @@ def synchronous(
             log_scale(panel)
             if panel.get_ylim()[0] < MICRO * least:
                 panel.set_ylim(bottom=MICRO * least)
-        label_x(axes, label)
-        # A shaft may have a line in some of the panels only.
-        entries: dict[str, Any] = {}
-        for panel in axes:
-            handles, labels = panel.get_legend_handles_labels()
-            entries |= dict(zip(labels, handles, strict=True))
-        title = "excited by the shaft"
-        place_legend(figure, axes[0], (list(entries.values()), list(entries)), title=title, ax=ax)
     return figure
 
 
@@ -262,17 +251,14 @@ def measured_bode(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw phase and amplitude of each probe over the speed."""
-    with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(2, 3.6, sharex=True, ax=ax, x=speed_axis()[1]) as (figure, axes):
         _measured(axes, speeds, measured, fitted, {})
-        label_x(axes, speed_axis()[1])
-        legend(figure, axes[1], ax=ax)
     return figure
 
 
 def influence(curves: Mapping[str, Influence], *, ax: GivenAxes = None) -> Figure:
     """Draw phase and amplitude of influence coefficients; 1 m/(kg m) is 1 µm/(g mm)."""
-    with panels(2, 3.6, columns=1, sharex=True, ax=ax) as (figure, axes):
-        phase, amplitude = axes
+    with panels(2, 3.6, sharex=True, ax=ax, x=speed_axis()[1]) as (figure, (phase, amplitude)):
         for i, (name, curve) in enumerate(curves.items()):
             style: dict[str, Any] = {"color": colour(i)}
             order = np.argsort(curve.speeds)
@@ -293,8 +279,6 @@ def influence(curves: Mapping[str, Influence], *, ax: GivenAxes = None) -> Figur
             amplitude.plot(x, np.abs(model), "x-", **style)
         _scale_measured(phase, amplitude, "influence [µm/(g mm)]")
         remark(phase, "points: trial runs with 95 % intervals, crosses: model")
-        label_x(axes, speed_axis()[1])
-        legend(figure, phase, ax=ax)
     return figure
 
 
@@ -309,7 +293,7 @@ def identification(
 ) -> Figure:
     """Draw vectors, residuals over the noise, and estimates with their 95 % ellipses."""
     numbers = {name: i for i, name in enumerate(noise)}
-    with panels(5, 4.6, columns=2, width=14.0, ax=ax) as (figure, axes):
+    with panels(5, 4.6, columns=2, width=14.0, ax=ax, legend=False) as (figure, axes):
         phase, amplitude, polar, rest, estimates = axes
         for x, vectors, fits in zip(speeds, measured, fitted, strict=True):
             order = np.argsort(x)
@@ -332,9 +316,7 @@ def identification(
             panel.set_xlabel(speed_axis()[1])
         remark(amplitude, "points: measured, lines: fitted")
         _ellipses(estimates, ellipses)
-        handles, labels = phase.get_legend_handles_labels()
-        own = dict(zip(labels, handles, strict=True))
-        place_legend(figure, phase, (list(own.values()), list(own)), ax=ax)
+        place_legend(figure, phase, legend_entries([phase]), ax=ax)
     return figure
 
 

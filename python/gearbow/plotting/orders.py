@@ -18,9 +18,8 @@ from gearbow.plotting.style import (
     GivenAxes,
     colour,
     figure_of,
-    legend,
     log_scale,
-    named_ticks,
+    named_bars,
     panels,
     quantity,
     remark,
@@ -68,7 +67,7 @@ def spectrum(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw one spectrum; of a period of a motion, its lines."""
-    with panels(1, 4.8, columns=1, ax=ax) as (figure, (panel,)):
+    with panels(1, 4.8, ax=ax) as (figure, (panel,)):
         log_scale(panel)
         highest = spectrum_limits(panel, frequencies_hz, amplitudes, periodic=periodic)
         curve = (frequencies_hz, amplitudes)
@@ -80,7 +79,6 @@ def spectrum(
         panel.set(xlabel="frequency [Hz]", ylabel=label)
         name_orders(panel, frequencies_hz, amplitudes, orders, periodic=periodic)
         say_resolution(panel, frequencies_hz, orders, periodic=periodic)
-        legend(figure, panel, ax=ax)
     return figure
 
 
@@ -294,15 +292,13 @@ def orders(
     shades = [FAMILIES[family(name)][1] for name in names]
     names = [each.replace("–", "–\n") if len(each) > _LONG else each for each in _short(names)]
     row = 0.45 if max(map(_lines_of, names), default=1) == 1 else 0.6
-    with panels(1, 1.2 + row * len(names), columns=1, ax=ax) as (figure, (panel,)):
+    with panels(1, 1.2 + row * len(names), ax=ax) as (figure, (panel,)):
         begin = 0.5 * low if logarithmic else 0.0
         # The value of a bar that is too short to be seen stands at the edge of the panel.
         lengths = np.maximum(amplitudes, begin)
-        bars = panel.barh(np.arange(len(names)), lengths, color=shades, log=logarithmic)
+        bars = panel.barh(range(len(names)), lengths, color=shades, log=logarithmic)
         panel.bar_label(bars, [_three_digits(value) for value in amplitudes], padding=4)
-        named_ticks(panel.yaxis, np.arange(len(names)), names)
-        panel.invert_yaxis()
-        panel.grid(visible=False, axis="y")
+        named_bars(panel, names)
         panel.set(xlabel=label)
         panel.set_title(title, loc="right", fontsize=text_size(0.86))
         if logarithmic:
@@ -323,14 +319,13 @@ def tracks(
 ) -> Figure:
     """Draw the amplitude of each order against the speed, or against time."""
     factor, name = (1.0, "time [s]") if over_time else speed_axis()
-    with panels(1, 5.2, columns=1, ax=ax) as (figure, (panel,)):
+    with panels(1, 5.2, ax=ax) as (figure, (panel,)):
         shown = _short(list(amplitudes))
         for i, (order, values) in enumerate(zip(shown, amplitudes.values(), strict=True)):
             panel.plot(factor * x, values, color=colour(i), label=order)
         panel.set_ylim(bottom=0.0)
         panel.set(xlabel=name, ylabel=label)
         panel.set_title(title, loc="right", fontsize=text_size(0.86))
-        legend(figure, panel, ax=ax)
     return figure
 
 
@@ -355,7 +350,7 @@ def waterfall(
     frequencies_hz = np.broadcast_to(frequencies_hz, amplitudes.shape)
     if highest is None:
         highest = _highest(frequencies_hz, amplitudes, _SHOWN)
-    with panels(1, 6.0, columns=1, ax=ax) as (figure, (panel,)):
+    with panels(1, 6.0, ax=ax) as (figure, (panel,)):
         speed_map(panel, frequencies_hz, factor * speeds, amplitudes, label, least=_SHOWN * top)
         panel.set(ylabel=speed)
         panel.set_xlim(0.0, highest)

@@ -18,8 +18,6 @@ from gearbow.plotting.style import (
     GivenAxes,
     colour,
     equal_ranges,
-    label_x,
-    legend,
     log_scale,
     panels,
     place_legend,
@@ -46,7 +44,8 @@ class TimeAxis:
 def orbits(axis: TimeAxis, motion: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the orbit of each centre in the plane of rotation."""
     count, skipped = len(motion), axis.skipped
-    with panels(count, 4.3, columns=4, width=4.2 * min(4, count), ax=ax) as (figure, axes):
+    given: dict[str, Any] = {"columns": 4, "width": 4.2 * min(4, count), "legend": False}
+    with panels(count, 4.3, ax=ax, **given) as (figure, axes):
         if ax is None:
             # Titles of a row do not touch the labels of the row above.
             layout: Any = figure.get_layout_engine()
@@ -69,7 +68,7 @@ def orbits(axis: TimeAxis, motion: Mapping[str, Array], *, ax: GivenAxes = None)
 
 def history(axis: TimeAxis, motion: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the displacement of each centre about its mean against time."""
-    with panels(len(motion), 2.9, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(len(motion), 2.9, sharex=True, ax=ax, x=axis.label) as (figure, axes):
         for panel, (label, values) in zip(axes, motion.items(), strict=True):
             mean = values[axis.skipped :].mean(axis=0) if values.size else np.zeros(2)
             _lines(panel, axis.values, MICRO * (values - mean), ("y − mean", "z − mean"))
@@ -77,24 +76,25 @@ def history(axis: TimeAxis, motion: Mapping[str, Array], *, ax: GivenAxes = None
             panel.set(ylabel=f"{label} [µm]")
             remark(panel, f"mean y {y}, z {z}")
             _settle(panel, MICRO * (values - mean), axis.skipped)
-        _finish(figure, axes, axis, ax=ax)
+        _shade(axes, axis)
     return figure
 
 
 def twist(axis: TimeAxis, twists: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the twist of each place against time."""
-    with panels(len(twists), 2.6, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(len(twists), 2.6, sharex=True, ax=ax, x=axis.label) as (figure, axes):
         for panel, (label, values) in zip(axes, twists.items(), strict=True):
             panel.plot(axis.values, 1e3 * values, color=PALETTE[0], linewidth=1.1)
             panel.set(ylabel=f"{label} [mrad]")
             _settle(panel, 1e3 * values, axis.skipped)
-        _finish(figure, axes, axis, ax=ax)
+        _shade(axes, axis)
     return figure
 
 
 def bearings(axis: TimeAxis, forces: Mapping[str, Array], *, ax: GivenAxes = None) -> Figure:
     """Draw the force of the shaft on each bearing against time."""
-    with panels(2 * len(forces), 2.6, columns=2, sharex=True, ax=ax) as (figure, axes):
+    shared: dict[str, Any] = {"columns": 2, "sharex": True, "x": axis.label}
+    with panels(2 * len(forces), 2.6, ax=ax, **shared) as (figure, axes):
         for row, (label, values) in enumerate(forces.items()):
             for column, along in enumerate("yz"):
                 panel = axes[2 * row + column]
@@ -104,7 +104,7 @@ def bearings(axis: TimeAxis, forces: Mapping[str, Array], *, ax: GivenAxes = Non
                 # A short time at the end of a long run has numbers of many digits.
                 panel.locator_params(axis="x", nbins=4)
             axes[2 * row].set_title(label, loc="left", fontsize=text_size(1.0))
-        _finish(figure, axes, axis, ax=ax)
+        _shade(axes, axis)
     return figure
 
 
@@ -153,7 +153,7 @@ def spectrum(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw the amplitude spectrum of the displacement of each centre; of a period, its lines."""
-    with panels(len(spectra), 3.8, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(len(spectra), 3.8, sharex=True, ax=ax, x="frequency [Hz]") as (figure, axes):
         highest = 0.0
         for panel, (label, (frequency, amplitude)) in zip(axes, spectra.items(), strict=True):
             log_scale(panel)
@@ -176,8 +176,6 @@ def spectrum(
             given: Any = {"most": 8, "sidebands": False, "periodic": periodic}
             name_orders(panel, frequency, largest, orders, **given)
         say_resolution(axes[0], next(iter(spectra.values()))[0], orders, periodic=periodic)
-        label_x(axes, "frequency [Hz]")
-        place_legend(figure, axes[0], axes[0].get_legend_handles_labels(), ax=ax)
     return figure
 
 
@@ -188,7 +186,8 @@ def energy_balance(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw energies, works and the residual against time."""
-    with panels(len(rows), 3.0, columns=1, sharex=True, ax=ax) as (figure, axes):
+    shared: dict[str, Any] = {"sharex": True, "x": "time [s]", "legend": False}
+    with panels(len(rows), 3.0, ax=ax, **shared) as (figure, axes):
         for panel, (label, (terms, total)) in zip(axes, rows.items(), strict=True):
             for i, (name, values) in enumerate(terms.items()):
                 if np.any(values != 0.0):
@@ -199,7 +198,6 @@ def energy_balance(
                 panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
             elif terms:
                 panel.legend(loc="best", fontsize="small")
-        label_x(axes, "time [s]")
     return figure
 
 
@@ -208,11 +206,9 @@ def _columns(
 ) -> Figure:
     """Draw a column for each mesh, with a panel for each of its quantities."""
     columns, count = len(meshes), len(next(iter(meshes.values())))
-    width = max(9.0, 6.0 * columns)
-    with panels(count * columns, 2.6, columns=columns, width=width, sharex=True, ax=ax) as (
-        figure,
-        axes,
-    ):
+    shared: dict[str, Any] = {"columns": columns, "width": max(9.0, 6.0 * columns)}
+    shared |= {"sharex": True, "x": axis.label}
+    with panels(count * columns, 2.6, ax=ax, **shared) as (figure, axes):
         for column, ((driver, driven), rows) in enumerate(meshes.items()):
             for row, (label, values) in enumerate(rows.items()):
                 panel = axes[row * columns + column]
@@ -226,7 +222,7 @@ def _columns(
         for panel in axes:
             # A short time at the end of a long run has numbers of many digits.
             panel.locator_params(axis="x", nbins=4)
-        _finish(figure, axes, axis, ax=ax)
+        _shade(axes, axis)
     return figure
 
 
@@ -255,11 +251,9 @@ def _settle(panel: Axes, values: Array, skipped: int) -> None:
     remark(panel, f"earlier {' to '.join(ends)} {unit}".rstrip().replace("-", "−"))
 
 
-def _finish(figure: Figure, axes: Sequence[Axes], axis: TimeAxis, *, ax: GivenAxes) -> None:
-    """Label the axis, shade the time of the transient, and place the legend."""
+def _shade(axes: Sequence[Axes], axis: TimeAxis) -> None:
+    """Shade the time of the transient."""
     for panel in axes if axis.transient and axis.skipped else ():
         shade: dict[str, Any] = {"color": TRANSIENT, "alpha": 0.5, "linewidth": 0.0}
         begin, end = axis.values[[0, axis.skipped]].tolist()
         panel.axvspan(begin, end, label="transient", **shade)
-    label_x(axes, axis.label)
-    legend(figure, axes[0], ax=ax)

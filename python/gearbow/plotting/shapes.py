@@ -1,11 +1,9 @@
 """Figures of deflected shafts: modes along the shafts and in space, MAC, and the equilibrium."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from itertools import product
 from typing import Any, NamedTuple
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
@@ -21,12 +19,8 @@ from gearbow.plotting.style import (
     GivenAxes,
     colour,
     common_round_off,
-    figure_of,
-    given_axes,
-    label_x,
-    legend,
+    drawing,
     panels,
-    plain_texts,
     text_size,
 )
 
@@ -115,7 +109,13 @@ def draw(
     ax: GivenAxes = None,
 ) -> Figure:
     """Draw one mode of the train."""
-    with _panel(ax) as (figure, axes):
+    settings = {**STYLE, "figure.constrained_layout.use": False}
+    with drawing(ax, (1,), _new, settings=settings) as (figure, (axes,)):
+        if not isinstance(axes, Axes3D):
+            raise GearbowError(
+                "ax: a mode of the train needs Axes in three dimensions; make them with "
+                'figure.add_subplot(projection="3d")'
+            )
         for part in parts(shape, dofs, layout):
             if isinstance(part, Path):
                 style: dict[str, Any] = {"marker": part.marker, "markersize": part.marker_size}
@@ -171,24 +171,10 @@ def parts(
         yield Path(foot[np.newaxis], "black", 0.0, marker="^", marker_size=10.0)
 
 
-@contextmanager
-def _panel(ax: GivenAxes) -> Iterator[tuple[Figure, Any]]:
-    """Give a panel in three dimensions and its figure."""
-    if ax is not None:
-        (panel,) = given_axes(ax, (1,))
-        if not isinstance(panel, Axes3D):
-            raise GearbowError(
-                "ax: a mode of the train needs Axes in three dimensions; make them with "
-                'figure.add_subplot(projection="3d")'
-            )
-        figure = figure_of(panel)
-        with plain_texts(figure):
-            yield figure, panel
-        return
-    with mpl.rc_context({**STYLE, "figure.constrained_layout.use": False}):
-        figure = Figure(figsize=(12.0, 7.6))
-        with plain_texts(figure):
-            yield figure, figure.add_axes((0.0, 0.09, 1.0, 0.8), projection="3d")
+def _new() -> tuple[Figure, list[Any]]:
+    """Make a figure with a panel in three dimensions."""
+    figure = Figure(figsize=(12.0, 7.6))
+    return figure, [figure.add_axes((0.0, 0.09, 1.0, 0.8), projection="3d")]
 
 
 def _finish(axes: Any, extent: Array) -> None:
@@ -390,7 +376,6 @@ def overview(
             label = "y (z dashed, open)" if places else "y (z dashed)"
             label = {"lateral": label, "u": "x"}.get(drawn[mode], drawn[mode])
             panel.set(ylabel=label, ylim=(-1.15, 1.15))
-        legend(figure, axes[0], ax=ax)
     return figure
 
 
@@ -402,7 +387,7 @@ def _real(shape: ComplexArray, drawn: Sequence[bool]) -> Array:
 
 def _without_modes(ax: GivenAxes) -> Figure:
     """Say that there is no mode to draw."""
-    with panels(1, 3.5, columns=1, width=6.5, ax=ax) as (figure, (panel,)):
+    with panels(1, 3.5, width=6.5, ax=ax) as (figure, (panel,)):
         panel.set_title("no modes", fontsize=text_size(1.0))
     return figure
 
@@ -411,7 +396,7 @@ def assurance(mac: Array, computed: Array, measured: Array, *, ax: GivenAxes = N
     """Draw MAC of computed and measured modes as a table of colours."""
     if mac.size == 0:
         return _without_modes(ax)
-    with panels(1, 6.0, columns=1, width=8.0, ax=ax) as (figure, (panel,)):
+    with panels(1, 6.0, width=8.0, ax=ax) as (figure, (panel,)):
         image = panel.imshow(mac.T, vmin=0.0, vmax=1.0, origin="lower", cmap="Blues", aspect="auto")
         figure.colorbar(image, ax=panel, label="MAC")
         for (i, j), value in np.ndenumerate(mac):
@@ -445,7 +430,7 @@ def deflection(
     rows = {"v": ("displacement y [µm]", MICRO), "w": ("displacement z [µm]", MICRO)}
     if "v" not in directions:
         rows = {"twist": ("twist [mrad]", 1e3)}
-    with panels(len(rows), 3.2, columns=1, sharex=True, ax=ax) as (figure, axes):
+    with panels(len(rows), 3.2, sharex=True, ax=ax, x="position [m]") as (figure, axes):
         for panel, (direction, (label, factor)) in zip(axes, rows.items(), strict=True):
             for i, shaft in enumerate(layout.shafts):
                 own = sorted(
@@ -463,6 +448,4 @@ def deflection(
             panel.set(ylabel=label)
         # Without gravity along y, round-off would fill its panel.
         common_round_off(axes)
-        label_x(axes, "position [m]")
-        legend(figure, axes[0], ax=ax)
     return figure

@@ -1,7 +1,7 @@
 """Style of all figures: colours, settings, panels, legends and smooth curves."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
@@ -77,29 +77,59 @@ def panels(
     count: int,
     height: float,
     *,
-    columns: int,
+    columns: int = 1,
     width: float = 12.0,
     sharex: bool = False,
     ax: GivenAxes = None,
+    x: str | None = None,
+    legend: bool | str = True,
 ) -> Iterator[tuple[Figure, list[Axes]]]:
-    """Make a figure with rows of panels, or take the panels of the user."""
+    """Make a figure with rows of panels, or take the panels of the user, and finish it."""
+    # At the end the panels get the label of their horizontal axis, and the figure a legend of all
+    # lines with a label; a text is its title.
+
+    def rows_of_panels() -> tuple[Figure, list[Axes]]:
+        used = min(columns, count)
+        rows = -(-count // used)
+        figure = Figure(figsize=(width, height * rows + 0.8))
+        grid = figure.subplots(rows, used, squeeze=False, sharex="col" if sharex else False)
+        found = list(grid.flat)
+        for panel in found[count:]:
+            panel.remove()
+        return figure, found[:count]
+
+    with drawing(ax, (count,), rows_of_panels) as (figure, found):
+        yield figure, found
+        if x is not None:
+            label_x(found, x)
+        if legend:
+            entries = legend_entries(found)
+            title = legend if isinstance(legend, str) else None
+            if entries[0]:
+                place_legend(figure, found[0], entries, title=title, ax=ax)
+        if ax is None:
+            figure.align_ylabels()
+
+
+@contextmanager
+def drawing(
+    ax: GivenAxes,
+    counts: Sequence[int],
+    make: Callable[[], tuple[Figure, list[Axes]]],
+    what: str = "",
+    settings: Mapping[Any, Any] = STYLE,
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Give the panels of the user and their figure, or new ones with the settings."""
     if ax is not None:
-        given = given_axes(ax, (count,))
+        given = given_axes(ax, counts, what)
         figure = figure_of(given[0])
         with plain_texts(figure):
             yield figure, given
         return
-    columns = min(columns, count)
-    rows = -(-count // columns)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(width, height * rows + 0.8))
-        grid = figure.subplots(rows, columns, squeeze=False, sharex="col" if sharex else False)
-        found = list(grid.flat)
-        for panel in found[count:]:
-            panel.remove()
+    with mpl.rc_context(dict(settings)):
+        figure, made = make()
         with plain_texts(figure):
-            yield figure, found[:count]
-        figure.align_ylabels()
+            yield figure, made
 
 
 @contextmanager
@@ -126,6 +156,13 @@ def _texts(figure: Figure) -> Iterator[Text]:
 def named_ticks(axis: Axis, places: ArrayLike, names: Sequence[str]) -> None:
     """Write names at an axis, whose texts matplotlib makes again whenever it draws."""
     axis.set_ticks(places, [name.replace("$", r"\$") for name in names])
+
+
+def named_bars(panel: Axes, names: Sequence[str]) -> None:
+    """Write the names of horizontal bars, the first of which is at the top."""
+    named_ticks(panel.yaxis, range(len(names)), names)
+    panel.invert_yaxis()
+    panel.grid(visible=False, axis="y")
 
 
 def given_axes(ax: GivenAxes, counts: Sequence[int], what: str = "") -> list[Axes]:
@@ -216,11 +253,13 @@ def label_x(axes: Sequence[Axes], label: str) -> None:
             panel.set_xlabel(label)
 
 
-def legend(figure: Figure, panel: Axes, title: str | None = None, *, ax: GivenAxes = None) -> None:
-    """Place one legend above the panels, or inside the first given panel."""
-    handles, labels = panel.get_legend_handles_labels()
-    if handles:
-        place_legend(figure, panel, (handles, labels), title=title, ax=ax)
+def legend_entries(axes: Sequence[Axes]) -> tuple[list[Any], list[str]]:
+    """Give the handles and labels of all panels, each label once."""
+    found: dict[str, Any] = {}
+    for panel in axes:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    return list(found.values()), list(found)
 
 
 def place_legend(
@@ -232,7 +271,7 @@ def place_legend(
     ax: GivenAxes = None,
     outside: bool = False,
 ) -> None:
-    """Place a legend with given entries, as `legend` does."""
+    """Place one legend above the panels, or inside the first given panel."""
     if ax is not None:
         place: dict[str, Any] = {"loc": "best"}
         if outside:

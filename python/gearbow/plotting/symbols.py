@@ -91,11 +91,8 @@ def ground(panel: Axes, x: float, y: float, point: float) -> Box:
 def support(panel: Axes, x: float, y: float, point: float) -> Box:
     """Draw a support: a mass on a spring."""
     size = BEARING * point
-    panel.add_patch(
-        Rectangle(
-            (x - size, y - 0.7 * size), 2.0 * size, 0.7 * size, ec="black", fc="0.6", zorder=5
-        )
-    )
+    corner = (x - size, y - 0.7 * size)
+    panel.add_patch(Rectangle(corner, 2.0 * size, 0.7 * size, ec="black", fc="0.6", zorder=5))
     turns = np.linspace(0.0, 1.0, 8)
     side = np.array([0.0, *(0.35, -0.35) * 3, 0.0]) * size
     low = y - 0.7 * size - size * turns
@@ -181,7 +178,7 @@ def developed(train: Train) -> Development:
     """Find the heights."""
     first = train.layout.shafts[0]
     heights = {first.name: 0.0}
-    placed = list(_boxes(train, first, 0.0))
+    placed = list(boxes_of(train, first, 0.0))
     moved = []
     gears = {gear.name: gear.shaft for gear in train.parts["gears"]}
     stages = [mesh for mesh in train.parts["meshes"] if mesh.carrier is not None]
@@ -195,13 +192,12 @@ def developed(train: Train) -> Development:
                 continue
             shaft = train.layout.shaft(name)
             wanted = [heights[known] + distance, heights[known] - distance]
-            free = [
-                y for y in wanted if name in nested or not _covered(_boxes(train, shaft, y), placed)
-            ]
+            boxes = {y: boxes_of(train, shaft, y) for y in wanted}
+            free = [y for y in wanted if name in nested or not _covered(boxes[y], placed)]
             if not free and distance != 0.0:
                 moved.append(name)
             heights[name] = free[0] if free else _beyond(train, shaft, wanted, placed)
-            placed += _boxes(train, shaft, heights[name])
+            placed += boxes_of(train, shaft, heights[name])
             waiting.append(name)
     true = all(
         abs(heights[shaft.name] - shaft.origin[1]) < 1e-9 and abs(shaft.origin[2]) < 1e-9
@@ -248,7 +244,7 @@ def _neighbours(train: Train, known: str) -> list[tuple[str, float]]:
     return found
 
 
-def _boxes(train: Train, shaft: ShaftOutline, height: float) -> list[Box]:
+def boxes_of(train: Train, shaft: ShaftOutline, height: float) -> list[Box]:
     """Give the boxes of the segments, sleeves, gears and disks of a shaft."""
     left = float(shaft.origin[0])
     boxes = [
@@ -274,7 +270,7 @@ def _beyond(train: Train, shaft: ShaftOutline, wanted: list[float], placed: list
     """Give the height beyond all placed boxes that is closer to a wanted one."""
     if wanted[0] == wanted[1]:  # coaxial shafts keep their common axis
         return wanted[0]
-    own = _boxes(train, shaft, 0.0)
+    own = boxes_of(train, shaft, 0.0)
     reach = max(box[3] for box in own)
     gap = 0.1 * reach
     above = max(box[3] for box in placed) + reach + gap

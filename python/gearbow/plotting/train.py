@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -24,15 +23,13 @@ from gearbow.description.train import Train
 from gearbow.plotting import symbols
 from gearbow.plotting.labels import Box, Labels, Place, around, series
 from gearbow.plotting.style import (
-    STYLE,
     colour,
+    drawing,
     figure_of,
-    given_axes,
-    plain_texts,
     quantity,
     round_factor,
 )
-from gearbow.plotting.symbols import Development, body_box, developed
+from gearbow.plotting.symbols import Development, body_box, boxes_of, developed
 
 #: Points around a box where its label may be: above, below, right, left.
 _WAYS = ((0, 1), (0, -1), (1, 0.8), (-1, 0.8), (1, -0.8), (-1, -0.8), (1, 0), (-1, 0), (0, 0))
@@ -76,14 +73,9 @@ class SideView:
     def _height(self, name: str) -> float:
         return self.development.heights[name]
 
-    def _own(self, shaft: ShaftOutline) -> Iterator[Box]:
+    def _own(self, shaft: ShaftOutline) -> list[Box]:
         """Give the boxes of the segments, sleeves, gears and disks of a shaft."""
-        left, y = float(shaft.origin[0]), self._height(shaft.name)
-        for step in (*shaft.steps, *shaft.sleeves):
-            yield left + step.begin, y - step.largest, left + step.end, y + step.largest
-        for body in self.train.layout.bodies:
-            if body.shaft == shaft.name:
-                yield body_box(self.train, body, y)
+        return boxes_of(self.train, shaft, self._height(shaft.name))
 
     def _shaft(self, panel: Axes, shaft: ShaftOutline) -> None:
         """Draw the segments, gears and disks of a shaft, and its axis."""
@@ -111,8 +103,7 @@ class SideView:
                 )
                 style = {"facecolor": "none", "edgecolor": shade, "hatch": "/////"}
                 panel.add_patch(_rectangle((left, bottom, right, top), zorder=2.2, **style))
-        bodies = list(self._own(shaft))[len(shaft.steps) + len(shaft.sleeves) :]
-        for box in bodies:
+        for box in boxes[len(shaft.steps) + len(shaft.sleeves) :]:
             style = {"facecolor": shade, "edgecolor": "black", "alpha": 0.55}
             panel.add_patch(_rectangle(box, zorder=3.0, **style))
         over = 0.03 * shaft.length
@@ -185,18 +176,8 @@ class SideView:
             box = (x - size, y - size, x + size, y + size)
             labels.panel.add_patch(_rectangle(box, fc="0.4", ec="black", zorder=5.0))
             labels.add(each.name, around(_WAYS[:8], box), color="0.25")
-        labels.panel.add_patch(
-            Rectangle(
-                (left, bottom),
-                right - left,
-                top - bottom,
-                facecolor="0.93",
-                edgecolor="0.4",
-                linewidth=1.2,
-                linestyle="--",
-                zorder=1.0,
-            )
-        )
+        style: dict[str, Any] = {"fc": "0.93", "ec": "0.4", "linewidth": 1.2, "linestyle": "--"}
+        labels.panel.add_patch(_rectangle((left, bottom, right, top), zorder=1.0, **style))
         inside = [((left, top), (1.0, -1.0)), ((right, top), (-1.0, -1.0))]
         inside += [((left, bottom), (1.0, 1.0)), ((right, bottom), (-1.0, 1.0))]
         labels.add(name, inside, color="0.25")
@@ -219,7 +200,7 @@ class SideView:
     def _shaft_names(self, labels: Labels) -> None:
         """Write the name of each shaft at its ends, or along it."""
         for shaft in self.train.layout.shafts:
-            boxes = list(self._own(shaft))[: len(shaft.steps)]
+            boxes = self._own(shaft)[: len(shaft.steps)]
             begin, end = boxes[0], boxes[-1]
             places = [*around(((-1, 0),), begin), *around(((1, 0),), end)]
             for box in sorted(boxes, key=lambda box: box[0] - box[2]):
@@ -248,7 +229,7 @@ class SideView:
 
 def _rectangle(box: Box, **style: Any) -> Rectangle:
     left, bottom, right, top = box
-    return Rectangle((left, bottom), right - left, top - bottom, linewidth=1.0, **style)
+    return Rectangle((left, bottom), right - left, top - bottom, **{"linewidth": 1.0, **style})
 
 
 def _edge(step: Step, side: float, x: float, y: float) -> list[tuple[float, float]]:
@@ -451,20 +432,13 @@ def draw(train: Train, magnify: float | None, ax: Axes | Sequence[Axes] | None) 
     side = SideView(train, magnification(train) if magnify is None else magnify)
     boxes = [side.extent(), end_extent(train)]
     entries = (symbols.handles(side.kinds), side.kinds)
-    if ax is not None:
-        panels = given_axes(ax, (1, 2), "side view, or side view and end view")
-        figure = figure_of(panels[0])
-        with plain_texts(figure):
-            if side.kinds:
-                panels[0].legend(*entries, fontsize="small", loc="best")
-            _views(figure, side, panels, boxes)
-        return figure
-    with mpl.rc_context(STYLE):
-        figure, panels = _new(boxes)
-        if side.kinds:
+    counts, what = (1, 2), "side view, or side view and end view"
+    with drawing(ax, counts, lambda: _new(boxes), what) as (figure, panels):
+        if side.kinds and ax is None:
             figure.legend(*entries, loc="outside lower center", ncols=6)
-        with plain_texts(figure):
-            _views(figure, side, panels, boxes)
+        elif side.kinds:
+            panels[0].legend(*entries, fontsize="small", loc="best")
+        _views(figure, side, panels, boxes)
     return figure
 
 

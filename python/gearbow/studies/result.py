@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from gearbow._convert import positive, truth
 from gearbow._extras import extra
-from gearbow._result import Column, Result
+from gearbow._result import Column, Result, WithSpeeds
 from gearbow._shown import Shown
 from gearbow.accuracy import UNIT_OF_ERRORS
 from gearbow.analysis.protocol import S
 from gearbow.errors import GearbowError
 from gearbow.studies.settings import GIVEN
-from gearbow.units.speed import SpeedUnit, speed_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,13 +59,9 @@ class Trial(Shown, Generic[S]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
-    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
-    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> few = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, "disk", methods="exponential", **few)
     >>> trial = tradeoff.trials[0]
     >>> trial.method, trial.steps > 0
     ('exponential', True)
@@ -216,13 +211,9 @@ class Recommendation(Shown, Generic[S]):
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
-    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
-    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> few = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, "disk", methods="exponential", **few)
     >>> tradeoff.recommend(error=1e-2).options["method"]
     'exponential'
     """
@@ -245,7 +236,7 @@ class Recommendation(Shown, Generic[S]):
 
 
 @dataclass(frozen=True, eq=False)
-class Tradeoff(Result, Generic[S]):
+class Tradeoff(WithSpeeds, Result, Generic[S]):
     """Error and CPU time of many settings; made by `gearbow.RotorSystem.tradeoff`.
 
     Parameters
@@ -268,19 +259,13 @@ class Tradeoff(Result, Generic[S]):
         Speed of the reference shaft [rad/s].
     signals : tuple of str
         Names of the compared signals.
-    speed_unit : str
-        Unit of speeds in tables and figures, as for `table`: that in which the speed was given.
 
     Examples
     --------
     >>> import gearbow as gb
-    >>> rotor = gb.Shaft("rotor", length=1.0, outer_diameter=0.05, elements=4,
-    ...                  bow=gb.Bow.half_sine(1e-4))
-    >>> bearings = [gb.Bearing("rotor", x, stiffness=1e8) for x in (0.0, 1.0)]
-    >>> system = gb.RotorSystem([rotor], bearings=bearings)
-    >>> options = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
-    >>> options |= {"methods": "exponential", "frozen": False, "mean_stiffness": False}
-    >>> tradeoff = system.tradeoff(0.02, 100.0, ("rotor", 0.5), initial="rest", **options)
+    >>> system = gb.examples()["bowed_rotor"].load()
+    >>> few = {"tolerances": [1e-3], "modes": [], "degrees": [], "elements": [], "repeats": 1}
+    >>> tradeoff = system.tradeoff(0.02, 100.0, "disk", methods="exponential", **few)
     >>> tradeoff.trials[0].setting
     'exponential, rtol 1e-03'
     """
@@ -294,7 +279,6 @@ class Tradeoff(Result, Generic[S]):
     duration: float
     speed: float
     signals: tuple[str, ...]
-    speed_unit: SpeedUnit = "rad/s"
 
     def front(
         self, *, duration: float | None = None, simplified: bool = True
@@ -433,7 +417,7 @@ class Tradeoff(Result, Generic[S]):
 
     def _heading(self) -> list[str]:
         worst = ", worst signal" if len(self.signals) > 1 else ""
-        speed = speed_text(self.speed)
+        speed = self._speed_text(self.speed)
         lines = [
             f"{self.duration:g} s at {speed}; signals: {', '.join(self.signals)}",
             f"error: RMS of the difference / {UNIT_OF_ERRORS}{worst}",

@@ -324,7 +324,6 @@ class Study(Generic[S]):
             duration=self.duration,
             speed=self.speed,
             signals=tuple(map(str, self.wanted)),
-            speed_unit=self.system._speed_unit,
         )
 
 

@@ -290,7 +290,7 @@ def to_fmu(
     Examples
     --------
     >>> import gearbow as gb
-    >>> system = gb.examples.reducer()  # doctest: +SKIP
+    >>> system = gb.examples()["coaxial_reducer"].load()  # doctest: +SKIP
     >>> system.to_fmu("train.fmu", 100.0, speed_input=(50.0, 150.0))  # doctest: +SKIP
     """
     from gearbow.exchange.fmu import write_fmu  # noqa: PLC0415  # with pickle, JSON and archives

@@ -692,7 +692,7 @@ class RotorSystem(CheckedKeywords, Shown):
     _require_memory_of_runs = require_memory_of_runs
     steady_state = in_given_unit(steady_state)
     continuation = in_given_unit(continuation)
-    tradeoff = tradeoff
+    tradeoff = in_given_unit(tradeoff)
     report = report
     to_fmu = to_fmu
 

@@ -219,6 +219,7 @@ impl CachedModel {
             self.model.check_speed(speed)?;
             return Ok(AtSpeed::Same(self));
         }
+        let speed = self.model.static_speed(speed);
         if let Some(known) = self.at_speeds.get(&speed) {
             return Ok(AtSpeed::Specialised(known));
         }
@@ -230,6 +231,20 @@ impl CachedModel {
         let model = Arc::new(model);
         self.at_speeds.insert(speed, Arc::clone(&model));
         Ok(AtSpeed::Specialised(model))
+    }
+
+    /// The one model that stands for the model at all of some speeds of the reference shaft, rad/s; without one, the model itself.
+    ///
+    /// # Errors
+    /// As [`Self::at_speed`].
+    pub fn at_all(&self, speeds: &[f64]) -> Result<AtSpeed<'_>, EquilibriumError> {
+        let mut known = speeds.iter().map(|speed| self.model.static_speed(*speed));
+        match known.next() {
+            Some(first) if known.all(|speed| speed == first) && !self.model.depends_on_frequency() => {
+                self.at_speed(first)
+            }
+            _ => Ok(AtSpeed::Same(self)),
+        }
     }
 
     /// The model at a speed of the reference shaft with the circulatory forces of internal damping at another one, both rad/s: that
@@ -329,7 +344,8 @@ impl CachedModel {
     /// # Errors
     /// As [`equilibrium`].
     pub fn equilibrium(&self, geometry: Geometry, speeds: EquilibriumSpeeds) -> Result<DVector<f64>, EquilibriumError> {
-        let key = EquilibriumKey { geometry, speeds };
+        let [film, flanks] = [speeds.film, speeds.flanks].map(|speed| self.model.static_speed(speed));
+        let key = EquilibriumKey { geometry, speeds: EquilibriumSpeeds { film, flanks } };
         self.equilibria.get_or_try(key, || equilibrium(&self.model, key.geometry, key.speeds))
     }
 

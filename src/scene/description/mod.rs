@@ -295,9 +295,9 @@ impl SceneDescription {
     /// # Errors
     /// [`SceneError`] for invalid TOML, or with the path of an entry of the wrong type or name.
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
-        let document =
-            toml::Deserializer::parse(text).map_err(|error| SceneError::new("toml", error.to_string().trim_end()))?;
-        Self::deserialize(document)
+        let document: toml::Table =
+            toml::from_str(text).map_err(|error| SceneError::new("toml", error.to_string().trim_end()))?;
+        Self::deserialize(toml::Value::Table(document)).map_err(|error| reading::with_line(error, text))
     }
 
     /// Reads a description from any serde source.

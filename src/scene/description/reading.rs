@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
+use toml::de::{DeTable, DeValue};
 
 use crate::numerics::LARGEST_EXACT_INTEGER;
 use crate::scene::{SceneError, nearest};
@@ -30,6 +31,36 @@ pub(super) fn located<'de, T: Deserialize<'de>, D: Deserializer<'de>>(source: D)
         let message = explain(&path, error.into_inner().to_string().trim_end());
         SceneError::new(path, message)
     })
+}
+
+/// Adds the line of a TOML text with the entry at the path of an error, or with the last part of the path that the text contains.
+pub(super) fn with_line(error: SceneError, text: &str) -> SceneError {
+    let Ok(document) = DeTable::parse(text) else {
+        return error;
+    };
+    let document = DeValue::Table(document.into_inner());
+    let (mut value, mut start) = (&document, None);
+    for part in error.path.split(['.', '[']).map(|part| part.trim_end_matches(']')) {
+        let found = match value {
+            DeValue::Table(table) => {
+                table.iter().find(|(key, _)| key.get_ref() == part).map(|(key, entry)| (Some(key), entry))
+            }
+            DeValue::Array(list) => {
+                part.parse().ok().and_then(|index: usize| list.get(index)).map(|entry| (None, entry))
+            }
+            _ => None,
+        };
+        let Some((key, entry)) = found else { break };
+        (value, start) = (entry.get_ref(), Some(key.map_or(entry.span().start, |key| key.span().start)));
+    }
+    let line = start.and_then(|start| {
+        let number = text[..start].matches('\n').count();
+        text.lines().nth(number).map(|line| (number + 1, line.trim()))
+    });
+    match line {
+        Some((number, line)) => SceneError::new(&error.path, format!("{}; line {number}: {line}", error.message)),
+        None => error,
+    }
 }
 
 /// Reads a whole number; accepts 25.0, refuses 25.5.

@@ -48,7 +48,6 @@ PRIVATE = {
     "report/compose.py": {"_model"},
     "report/page.py": {"_columns", "_left_out", "_remarks", "_showing"},
     "report/shared.py": {"_from_description", "_model", "_vibrations"},
-    "studies/study.py": {"_speed_unit"},
 }
 
 

@@ -16,7 +16,7 @@ from gearbow.studies.study import measure
 from reference import independent_solution
 from reference.bows import HalfSine
 from reference.cases import each_case
-from reference.machines import rotor
+from reference.machines import pair_on_housing, rotor
 from reference.scenes import PAIR
 
 SPEED, END = 100.0, 4e-3
@@ -480,3 +480,21 @@ def test_a_linear_rotor_has_an_error_of_round_off(tmp_path):
     (panel,) = figure.axes
     assert panel.get_xlim()[0] > 0.0
     figure.savefig(tmp_path / "figure.png")
+
+
+@pytest.mark.parametrize("speed", [gb.rpm(900.0), -SPEED])
+def test_signals_may_name_supports_and_housings(speed: float):
+    system, names = pair_on_housing(), ["foot", "box"]
+    alone = {"modes": [], "degrees": [], "elements": [], "frozen": False, "mean_stiffness": False}
+    given = {"methods": "exponential", "tolerances": [1e-2], "repeats": 1, "initial": "rest"}
+    found = system.tradeoff(END, speed, signals=names, **alone, **given)
+    assert found.signals == ("the displacement of foot", "the displacement of box")
+    assert f" s at {'900 rpm' if speed > 0.0 else '-100 rad/s'}; signals: " in str(found)
+    (trial,) = (trial for trial in found.trials if "1e-02" in trial.setting)
+    shared = {"record": names, "initial": "rest", "method": "exponential"}
+    exact = system.simulate(END, speed, rtol=1e-10, **shared)
+    run = system.simulate(END, speed, rtol=1e-2, **shared)
+    for name in names:
+        expected = apart(run.displacement(name), exact.displacement(name))
+        assert expected > 1e-7
+        assert trial.errors[f"the displacement of {name}"] == pytest.approx(expected, rel=1e-3)
