@@ -12,7 +12,7 @@ use crate::connection::Row;
 use crate::linalg::{DecompositionError, Singular, Sparse, matrix_of_columns};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
-use crate::modal::lowest::{Highest, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
+use crate::modal::lowest::{Highest, LowestModes, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
 use crate::modal::state_space::{FirstOrder, ModalStateSpace, Projected, StateMatrix};
 use crate::modal::undamped::{
     ComponentModes, ModalDamping, RealModes, SpectralRange, SubspaceKey, kept_modes, modes_of_loads,
@@ -54,13 +54,13 @@ struct DampingKey {
     highest: Highest,
 }
 
-/// What a number of lowest undamped modes reads beside its model.
+/// What the lowest undamped modes read beside their model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LowestKey {
     /// Direction of rotation.
     rotation: usize,
-    /// Number of modes.
-    count: usize,
+    /// Which ones.
+    wanted: LowestModes,
 }
 
 /// What the undamped modes of a large model up to a frequency read beside it.
@@ -582,9 +582,9 @@ impl CachedModel {
         find: impl FnOnce(&UndampedSearch<'_>) -> Result<T, DecompositionError>,
     ) -> Result<T, DecompositionError> {
         let (range, rotation) = (self.spectral_range(speed)?, self.model.rotation(speed));
-        let lowest = |count: usize| {
-            let find = || Ok(lowest_undamped(&self.model, rotation.speed(), range, count)?.map(Arc::new));
-            self.linear_part().lowest.get_or_try(LowestKey { rotation: rotation as usize, count }, find)
+        let lowest = |wanted: LowestModes| {
+            let find = || Ok(lowest_undamped(&self.model, rotation.speed(), range, wanted)?.map(Arc::new));
+            self.linear_part().lowest.get_or_try(LowestKey { rotation: rotation as usize, wanted }, find)
         };
         let all = || self.real_modes(speed);
         find(&UndampedSearch { model: &self.model, speed, range, lowest: &lowest, all: &all })
