@@ -160,10 +160,9 @@ impl UndampedSearch<'_> {
 
     /// The modes with damping for a highest frequency in question.
     fn damped_modes(&self, highest: Highest) -> Result<Arc<RealModes>, DecompositionError> {
-        if highest != Highest::Frequency(f64::INFINITY) || self.model.len() > MAX_DENSE {
-            if let Some(modes) = (self.lowest)(LowestModes::damped(highest))? {
-                return Ok(modes);
-            }
+        let is_limited = highest != Highest::Frequency(f64::INFINITY) || self.model.len() > MAX_DENSE;
+        if is_limited && let Some(modes) = (self.lowest)(LowestModes::damped(highest))? {
+            return Ok(modes);
         }
         Ok(Arc::new((self.all)()?.clone()))
     }
@@ -179,7 +178,8 @@ impl ModalSpace {
         rows: &[Row],
         highest: Highest,
     ) -> Result<Self, DecompositionError> {
-        Self::of_modes(search, rows, &*search.damped_modes(highest)?)
+        let modes = search.damped_modes(highest)?;
+        Self::of_modes(search, rows, &modes)
     }
 
     /// The same with the `count` lowest modes; `None` if band matrices do not give them.
