@@ -12,7 +12,9 @@ use crate::connection::Row;
 use crate::linalg::{DecompositionError, Singular, Sparse, matrix_of_columns};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
-use crate::modal::lowest::{Highest, LowestModes, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
+use crate::modal::lowest::{
+    Highest, LowestModes, MIN_BANDED, ModalSpace, UndampedSearch, UndampedSpace, lowest_undamped,
+};
 use crate::modal::state_space::{FirstOrder, ModalStateSpace, Projected, StateMatrix};
 use crate::modal::undamped::{
     ComponentModes, ModalDamping, RealModes, SpectralRange, SubspaceKey, kept_modes, modes_of_loads,
@@ -110,7 +112,7 @@ struct LinearPart {
     /// Lowest and highest frequency for each [`crate::model::Rotation`].
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
     /// Lowest undamped modes; none where band matrices do not give them.
-    lowest: Recent<LowestKey, Option<Arc<RealModes>>, 2>,
+    lowest: Recent<LowestKey, Option<Arc<UndampedSpace>>, 2>,
     /// Modal damping.
     damping: Recent<DampingKey, Arc<ModalDamping>>,
     /// State-space models; `None` marks a model that modes cannot represent.

@@ -48,7 +48,9 @@ pub fn lowest(
         ModeSelection::Vibrations => count,
     };
     let pairs = if problem.undamped {
-        elastic_modes(problem, elastic, most_steps::<UndampedInverse<'_>>(elastic), &|found| found.len() >= elastic)?
+        let most = most_steps::<UndampedInverse<'_>>(elastic);
+        let found = elastic_modes(problem, elastic, most, false, &|found| found.len() >= elastic)?;
+        found.map(|found| undamped_pairs(&found.modes))
     } else {
         let search = Search {
             count: elastic,
@@ -67,13 +69,29 @@ pub fn lowest(
     Ok(pairs.map(|pairs| Eigenpair::lowest(rigid.chain(pairs.into_iter().take(elastic)).collect(), count)))
 }
 
+/// Eigenvalues and shapes of undamped modes.
+fn undamped_pairs(modes: &RealModes) -> Vec<Eigenpair> {
+    let shapes = modes.vectors.column_iter().map(|column| column.map(Complex::from));
+    let values = modes.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
+    values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
+}
+
 /// An eigenvalue that is not that of a rigid-body mode.
 fn elastic_value(problem: &Problem<'_>, value: Complex64) -> Option<Complex64> {
     (problem.null.ncols() == 0 || value.norm() > ZERO * problem.shift).then_some(value)
 }
 
+/// Undamped modes of a model.
+#[derive(Debug)]
+pub struct UndampedSpace {
+    /// The lowest ones, which may be followed by approximations in the Krylov space of their search.
+    pub modes: RealModes,
+    /// Highest frequency of an accurate mode, rad/s; no mode below it is missing.
+    pub highest: f64,
+}
+
 /// The lowest modes of an undamped problem, about `count` of them, until `is_enough` holds for their frequencies, rad/s, rigid-body
-/// modes included; `None` after this number of steps.
+/// modes included; `None` after this number of steps. `approximates` asks for all approximations of the space as well.
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.
@@ -81,20 +99,23 @@ pub(in crate::modal) fn undamped_modes(
     problem: &Problem<'_>,
     count: usize,
     most_steps: usize,
+    approximates: bool,
     is_enough: impl Fn(&[f64]) -> bool,
-) -> Result<Option<RealModes>, DecompositionError> {
+) -> Result<Option<UndampedSpace>, DecompositionError> {
     let null = problem.null.ncols();
     let is_enough = |found: &[Complex64]| {
         let rigid = std::iter::repeat_n(0.0, null);
         is_enough(&rigid.chain(found.iter().map(|value| value.im)).collect::<Vec<_>>())
     };
-    let Some(elastic) = elastic_modes(problem, count.saturating_sub(null), most_steps, &is_enough)? else {
+    let Some(elastic) = elastic_modes(problem, count.saturating_sub(null), most_steps, approximates, &is_enough)?
+    else {
         return Ok(None);
     };
-    let rigid = problem.null.column_iter().map(|column| column.into_owned());
-    let elastic = elastic.iter().map(|pair| pair.shape.map(|value| value.re));
-    let vectors = matrix_of_columns(problem.model.len(), &rigid.chain(elastic).collect::<Vec<_>>());
-    Ok(Some(RealModes::of_shapes(problem.model, problem.speed, vectors, null)))
+    let rigid = problem.null.column_iter();
+    let columns: Vec<_> = rigid.chain(elastic.modes.vectors.column_iter()).collect();
+    let vectors = matrix_of_columns(problem.model.len(), &columns);
+    let modes = RealModes::of_shapes(problem.model, problem.speed, vectors, null);
+    Ok(Some(UndampedSpace { modes, ..elastic }))
 }
 
 /// The lowest elastic modes of an undamped problem, about `count` of them, until `is_enough` holds for their eigenvalues.
@@ -102,8 +123,9 @@ fn elastic_modes(
     problem: &Problem<'_>,
     count: usize,
     most_steps: usize,
+    approximates: bool,
     is_enough: &dyn Fn(&[Complex64]) -> bool,
-) -> Result<Option<Vec<Eigenpair>>, DecompositionError> {
+) -> Result<Option<UndampedSpace>, DecompositionError> {
     let search = Search {
         count,
         takes_further: true,
@@ -117,7 +139,18 @@ fn elastic_modes(
     let operator = UndampedInverse { inverse, mass: &problem.mass };
     let square = |value: Complex64| 1.0 / value.re - problem.shift * problem.shift;
     let eigenvalue = |value| elastic_value(problem, Complex64::new(0.0, square(value).max(0.0).sqrt()));
-    Ok(search.run(Krylov::new(&operator, locked), eigenvalue)?.map(|found| real_modes(problem, &found)))
+    let Some(Spectrum { space, found, others, radius }) = search.run(Krylov::new(&operator, locked), eigenvalue)?
+    else {
+        return Ok(None);
+    };
+    let accurate = found.iter().filter(|found| found.value.im < radius);
+    let highest = accurate.clone().next_back().map_or(0.0, |last| last.value.im);
+    let further = found.iter().filter(|found| found.value.im >= radius).chain(&others);
+    let chosen = accurate.chain(further.filter(|_| approximates));
+    let columns: Vec<_> = chosen.map(|found| space.vector(&found.pair).map(|entry| entry.re)).collect();
+    let vectors = matrix_of_columns(problem.model.len(), &columns);
+    let modes = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
+    Ok(Some(UndampedSpace { modes, highest }))
 }
 
 /// An approximation of an eigenvalue.
@@ -141,6 +174,8 @@ pub(super) struct Spectrum<'s, T: Operator> {
     pub space: Krylov<'s, T>,
     /// In ascending order of |λ|, with all wanted ones.
     pub found: Vec<Found>,
+    /// Less accurate ones after them.
+    others: Vec<Found>,
     /// None below it is missing, rad/s.
     radius: f64,
 }
@@ -188,8 +223,8 @@ impl Search<'_> {
             while space.steps() < target && !space.is_complete() {
                 space.step()?;
             }
-            let (found, others) = self.recognised(&space, &eigenvalue)?;
-            let next = others.first().map_or(f64::INFINITY, |next| next.norm());
+            let [found, others] = self.recognised(&space, &eigenvalue)?;
+            let next = others.first().map_or(f64::INFINITY, |next| next.value.norm());
             let steps = space.steps();
             let Some(radius) = self.radius::<T>(&found, next) else {
                 if space.is_complete() || steps >= self.most_steps {
@@ -200,10 +235,10 @@ impl Search<'_> {
                 target = steps + further_steps(steps).max(further as usize);
                 continue;
             };
-            let outside = others.into_iter().filter(|value| value.norm() > OUTSIDE * radius);
+            let outside = others.iter().map(|found| found.value).filter(|value| value.norm() > OUTSIDE * radius);
             let known: Vec<Complex64> = found.iter().map(|found| found.value).chain(outside).collect();
             if (self.missing)(&known, radius) == Some(0) {
-                return Ok(Some(Spectrum { space, found, radius }));
+                return Ok(Some(Spectrum { space, found, others, radius }));
             }
             if restarts == MAX_RESTARTS {
                 return Ok(None);
@@ -221,7 +256,7 @@ impl Search<'_> {
         &self,
         space: &Krylov<'_, T>,
         eigenvalue: impl Fn(Complex64) -> Option<Complex64>,
-    ) -> Result<(Vec<Found>, Vec<Complex64>), DecompositionError> {
+    ) -> Result<[Vec<Found>; 2], DecompositionError> {
         let found = |pair: RitzPair| {
             let value = without_round_off(eigenvalue(pair.value)?);
             Some(Found { value, pair, is_wanted: (self.is_wanted)(value) })
@@ -230,9 +265,9 @@ impl Search<'_> {
         all.retain(|found| found.value.im >= 0.0);
         all.sort_by(|a, b| ascending(a.value, b.value));
         let last = all.iter().rposition(|found| found.pair.residual <= RECOGNISED).map_or(0, |last| last + 1);
-        let others = all.split_off(last).into_iter().map(|found| found.value).collect();
+        let others = all.split_off(last);
         all.retain(|found| found.pair.residual <= RECOGNISED);
-        Ok((all, others))
+        Ok([all, others])
     }
 
     /// Radius in a gap of the magnitudes, rad/s, so that the found modes below it are enough and accurate; `next` is an estimate
@@ -271,17 +306,6 @@ pub(super) fn most_steps<T: Operator>(count: usize) -> usize {
 /// Number of steps by which a space of so many steps is extended.
 pub(super) fn further_steps(steps: usize) -> usize {
     (steps / 8).max(8)
-}
-
-/// Modes of an undamped problem. All approximations of one frequency are rotated together.
-fn real_modes(problem: &Problem<'_>, spectrum: &Spectrum<'_, UndampedInverse<'_>>) -> Vec<Eigenpair> {
-    let chosen = spectrum.found.iter().take_while(|found| found.value.im < spectrum.radius);
-    let columns: Vec<_> = chosen.map(|found| spectrum.space.vector(&found.pair).map(|entry| entry.re)).collect();
-    let vectors = matrix_of_columns(problem.model.len(), &columns);
-    let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
-    let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
-    let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
-    values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
 }
 
 /// Modes of a damped problem.

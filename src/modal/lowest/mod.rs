@@ -16,7 +16,7 @@ mod newton;
 mod selection;
 mod shift_invert;
 
-pub use arnoldi::lowest;
+pub use arnoldi::{UndampedSpace, lowest};
 pub use critical::{CriticalInverse, CriticalSpace, ReducedMode, add_stiffness_change, lowest_critical, reduced_modes};
 pub use modal_space::{Highest, LowestModes, MAX_DENSE, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
 pub use mode_space::ModeSpace;
