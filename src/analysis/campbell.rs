@@ -29,7 +29,7 @@ use crate::modal::{
 use crate::model::Model;
 use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::EntryPath;
-use state::State;
+use state::{Energy, State};
 pub use threshold::Threshold;
 
 /// Largest number of times that a step is halved.
@@ -199,8 +199,9 @@ struct Tracker<'a> {
     cached: &'a CachedModel,
     threads: &'a Threads,
     interrupt: &'a Interrupt,
-    /// The model whose stiffness is that of the inner product.
+    /// The model whose energy is the inner product.
     basis: AtSpeed<'a>,
+    energy: Energy,
     /// Space of displacements in which Newton's method finds modes.
     space: ModeSpace,
     /// The model whose matrices are projected on the space; None before the first speed.
@@ -238,6 +239,7 @@ impl<'a> Tracker<'a> {
             interrupt,
             space: ModeSpace::new(&cached.model),
             projected: None,
+            energy: Energy::new(&basis.model, sense),
             basis,
             wanted,
             sense,
@@ -253,7 +255,7 @@ impl<'a> Tracker<'a> {
             let start = speeds.get(1).map_or(*first, |second| first + START_OFFSET * (second - first));
             if !cached.model.depends_on_frequency() {
                 let modes = lowest_modes(cached, beyond_standstill(start, sense), count, ModeSelection::Vibrations)?;
-                tracker.modes = modes.into_iter().map(|mode| State::new(&tracker.basis.model, start, mode)).collect();
+                tracker.modes = modes.into_iter().map(|mode| State::new(&tracker.energy, mode)).collect();
                 return Ok(tracker);
             }
             loop {
@@ -282,7 +284,7 @@ impl<'a> Tracker<'a> {
             // The mode that the tables of the bearings do not contain is the error.
             modes = lowest_modes(self.cached, speed, count, ModeSelection::All)?;
         }
-        Ok(Arc::new(modes.into_iter().map(|mode| State::new(&self.basis.model, speed, mode)).collect()))
+        Ok(Arc::new(modes.into_iter().map(|mode| State::new(&self.energy, mode)).collect()))
     }
 
     /// The tracked mode with these `ends` at a speed between theirs: by Newton's method, or that of the lowest modes which
@@ -365,7 +367,7 @@ impl<'a> Tracker<'a> {
     fn state(&self, model: &Model, met: ModeAtSpeed, residual: Residual) -> State {
         let ModeAtSpeed { speed, eigenvalue, shape } = met;
         let whirl = modal::whirl(model, speed, eigenvalue, &shape);
-        State::new(&self.basis.model, speed, Mode { eigenvalue, shape, whirl, residual })
+        State::new(&self.energy, Mode { eigenvalue, shape, whirl, residual })
     }
 
     /// Whether only the lowest modes are computed at each speed.

@@ -24,7 +24,8 @@ pub use damped::{
 pub use equilibrium::{EquilibriumChange, EquilibriumError, EquilibriumSpeeds, equilibrium, equilibrium_residuals};
 pub use lowest::{
     CriticalInverse, CriticalSpace, Eigenpair, FullEquations, Highest, MAX_DENSE, MIN_BANDED, ModeAtSpeed,
-    ModeSelection, ModeSpace, ReducedMode, Unknown, ascending, lowest_critical, mode_near, reduced_modes, vibrates,
+    ModeSelection, ModeSpace, ReducedMode, Unknown, add_stiffness_change, ascending, lowest_critical, mode_near,
+    reduced_modes, vibrates,
 };
 pub use state_space::{MAX_CONDITION, ModalStateSpace, ModePair, Projected, StateMatrix, is_growing};
 pub use undamped::{

@@ -2,8 +2,23 @@
 
 use nalgebra::{Complex, DVector};
 
+use crate::linalg::{Sparse, image_of_parts};
 use crate::modal::{Mode, Residual, Whirl};
 use crate::model::Model;
+
+/// Matrices of the inner product.
+pub(super) struct Energy {
+    /// Symmetric part of K.
+    stiffness: Sparse,
+    mass: Sparse,
+}
+
+impl Energy {
+    /// The matrices of a model with the loaded tooth flanks of `speed` (reference shaft, rad/s).
+    pub fn new(model: &Model, speed: f64) -> Self {
+        Self { stiffness: model.sparse_symmetric_stiffness(speed), mass: model.sparse_mass() }
+    }
+}
 
 /// One mode at one speed: its eigenvalue λ and y = (φ, λφ) of unit norm. All vectors have n entries in the order of the
 /// core.
@@ -26,14 +41,20 @@ pub(super) struct State {
 }
 
 impl State {
-    /// A mode at `speed`, rad/s, with the stiffness of `model`.
-    pub fn new(model: &Model, speed: f64, mode: Mode) -> Self {
+    /// A mode with its inner product.
+    pub fn new(energy: &Energy, mode: Mode) -> Self {
         let Mode { eigenvalue, shape, whirl, residual } = mode;
         let is_rigid = eigenvalue == Complex::ZERO;
         let velocity = if is_rigid { shape.clone() } else { &shape * eigenvalue };
         let position = if is_rigid { DVector::zeros(shape.len()) } else { shape };
-        let force = model.product(&position, |x, out| model.multiply_stiffness(speed, true, x, out));
-        let momentum = model.product(&velocity, |x, out| model.multiply_mass(x, out));
+        let image = |matrix: &Sparse, x: &DVector<Complex<f64>>| {
+            image_of_parts(x, |part| {
+                let mut image = DVector::zeros(part.len());
+                matrix.multiply_add(1.0, part.as_slice(), image.as_mut_slice());
+                image
+            })
+        };
+        let (force, momentum) = (image(&energy.stiffness, &position), image(&energy.mass, &velocity));
         let norm = (position.dotc(&force).re + velocity.dotc(&momentum).re).max(f64::MIN_POSITIVE).sqrt();
         let [position, velocity, force, momentum] =
             [position, velocity, force, momentum].map(|vector| vector.unscale(norm));

@@ -8,8 +8,6 @@
 //! They only decide which modes at the end continue which at the beginning. Rigid-body motions N need no place in the space: every
 //! mode satisfies NᴴBx = 0.
 
-use std::cell::OnceCell;
-
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
@@ -20,7 +18,7 @@ use crate::analysis::{AnalysisError, Interrupt, Threads};
 use crate::linalg::{combination, hermitian_eigen, products};
 use crate::modal::{
     CachedModel, CriticalInverse, CriticalSpace, EquationForces, ModeAtSpeed, ReducedMode, Residuals, SpectralRange,
-    reduced_modes,
+    add_stiffness_change, reduced_modes,
 };
 use crate::model::Model;
 use crate::numerics::{ROOT_OF_ROUND_OFF, ROUND_OFF};
@@ -41,7 +39,7 @@ pub struct CriticalPoint {
     pub line: usize,
 }
 
-/// A mode at a critical speed.
+/// A mode at a critical speed, in all coordinates or in those of a [`StepSpace`].
 #[derive(Clone)]
 struct Found {
     /// λ, rad/s.
@@ -89,9 +87,8 @@ pub fn critical_speed_map(
             models: [&before.model, &cached.model],
             known: known.iter().chain(found).collect(),
             sense,
-            space: OnceCell::new(),
         });
-        lines.advance(step.as_ref().map(|step| (step, step.ends)), found, 0)?;
+        lines.advance(step.as_ref(), found)?;
         previous = Some((*stiffness, cached, found));
         let point =
             |(critical, (line, _)): (&Critical, &(usize, Found))| CriticalPoint { critical: *critical, line: *line };
@@ -213,79 +210,87 @@ struct Step<'a> {
     known: Vec<&'a Found>,
     /// Sense of rotation, which determines the flanks in contact.
     sense: f64,
-    space: OnceCell<StepSpace>,
 }
 
-/// A basis V of the space of the modes at both ends of a step, with k ≤ m vectors V = XT of the m modes X.
+/// A basis V of the space of the modes at both ends of a step, with k ≤ m vectors V = XT of the m modes X, orthonormal in the stiffness
+/// K at the end.
 struct StepSpace {
     /// X, n × m.
     shapes: DMatrix<Complex64>,
     /// BX, n × m.
     momenta: DMatrix<Complex64>,
+    /// KX, n × m.
+    forces: DMatrix<Complex64>,
     /// T, m × k.
     combinations: DMatrix<Complex64>,
-    /// VᴴKV at both ends, k × k.
-    stiffness: [DMatrix<Complex64>; 2],
+    /// VᴴKV at the beginning, k × k.
+    beginning: DMatrix<Complex64>,
     /// VᴴBV, k × k.
     inertia: DMatrix<Complex64>,
 }
 
 impl Step<'_> {
-    fn space(&self) -> Result<&StepSpace, AnalysisError> {
-        if let Some(known) = self.space.get() {
-            return Ok(known);
-        }
-        let columns = |of: fn(&Found) -> &DVector<Complex64>| {
-            DMatrix::from_columns(&self.known.iter().map(|mode| of(mode).clone()).collect::<Vec<_>>())
+    fn space(&self) -> Result<StepSpace, AnalysisError> {
+        let columns = |of: &dyn Fn(&Found) -> DVector<Complex64>| {
+            DMatrix::from_columns(&self.known.iter().map(|mode| of(mode)).collect::<Vec<_>>())
         };
-        let (shapes, momenta) = (columns(|mode| &mode.shape), columns(|mode| &mode.momentum));
-        let forms = |images: &mut dyn Iterator<Item = DVector<Complex64>>| {
-            let columns = images.flat_map(|image| products(shapes.as_slice(), image.as_slice()));
+        let [from, to] = self.models;
+        let multiply = |x: &[f64], out: &mut [f64]| to.multiply_stiffness(self.sense, true, x, out);
+        let (shapes, momenta) = (columns(&|mode| mode.shape.clone()), columns(&|mode| mode.momentum.clone()));
+        let forces = columns(&|mode| to.product(&mode.shape, multiply));
+        let forms = |images: &DMatrix<Complex64>| {
+            let columns = images.column_iter().map(|image| image.into_owned());
+            let columns = columns.flat_map(|image| products(shapes.as_slice(), image.as_slice()));
             DMatrix::from_iterator(shapes.ncols(), shapes.ncols(), columns)
         };
-        let stiffness = self.models.map(|model| {
-            let multiply = |x: &[f64], out: &mut [f64]| model.multiply_stiffness(self.sense, true, x, out);
-            forms(&mut self.known.iter().map(|mode| model.product(&mode.shape, multiply)))
-        });
-        // V is orthonormal in the sum of both stiffness matrices.
-        let sum = &stiffness[0] + &stiffness[1];
-        let sizes = sum.diagonal().map(|value| value.re.max(f64::MIN_POSITIVE).sqrt());
-        let scaled = DMatrix::from_fn(sum.nrows(), sum.ncols(), |row, column| {
-            (sum[(row, column)] + sum[(column, row)].conj()) / (2.0 * sizes[row] * sizes[column])
+        let stiffness = forms(&forces);
+        let sizes = stiffness.diagonal().map(|value| value.re.max(f64::MIN_POSITIVE).sqrt());
+        let scaled = DMatrix::from_fn(stiffness.nrows(), stiffness.ncols(), |row, column| {
+            (stiffness[(row, column)] + stiffness[(column, row)].conj()) / (2.0 * sizes[row] * sizes[column])
         });
         let (values, vectors) = hermitian_eigen(&scaled)?;
         let kept: Vec<usize> = (0..values.len()).filter(|index| values[*index] > ROUND_OFF).collect();
-        let combinations = DMatrix::from_fn(sum.nrows(), kept.len(), |row, column| {
+        let combinations = DMatrix::from_fn(stiffness.nrows(), kept.len(), |row, column| {
             vectors[(row, kept[column])] / (sizes[row] * values[kept[column]].sqrt())
         });
         let projected = |matrix: &DMatrix<Complex64>| combinations.ad_mul(&(matrix * &combinations));
-        let space = StepSpace {
-            stiffness: stiffness.each_ref().map(projected),
-            inertia: projected(&forms(&mut self.known.iter().map(|mode| mode.momentum.clone()))),
-            combinations,
-            shapes,
-            momenta,
-        };
-        Ok(self.space.get_or_init(|| space))
+        let mut beginning = stiffness.clone();
+        add_stiffness_change([to, from], shapes.as_slice(), &mut beginning);
+        let (beginning, inertia) = (projected(&beginning), projected(&forms(&momenta)));
+        Ok(StepSpace { shapes, momenta, forces, combinations, beginning, inertia })
     }
+}
 
-    /// Approximations of the `count` lowest modes at a stiffness between the ends, N/m, by ascending speed.
-    fn modes(&self, stiffness: f64, count: usize) -> Result<Vec<Found>, AnalysisError> {
-        let StepSpace { shapes, momenta, combinations, stiffness: ends, inertia } = self.space()?;
-        let [from, to] = self.ends;
+impl StepSpace {
+    /// Approximations of the `count` lowest modes, in coordinates of the space, by ascending speed; `part` is the part of the step
+    /// of the stiffness.
+    fn modes(&self, part: f64, count: usize) -> Result<Vec<Found>, AnalysisError> {
         // The matrix is linear in the stiffness of the bearings.
-        let part = Complex64::from((stiffness - from) / (to - from));
-        let matrix = &ends[0] * (1.0 - part) + &ends[1] * part;
-        let Some(modes) = reduced_modes(matrix, inertia, count)? else { return Ok(Vec::new()) };
-        let mode = |mode: ReducedMode| {
-            let weights = combinations * mode.coordinates;
-            let sum = |columns: &DMatrix<Complex64>| {
-                combination(columns.as_slice(), columns.nrows(), weights.as_slice(), columns.nrows()).into()
-            };
-            let eigenvalue = Complex64::new(0.0, mode.frequency);
-            Found { eigenvalue, shape: sum(shapes), momentum: sum(momenta) }
+        let mut matrix = &self.beginning * Complex64::from(1.0 - part);
+        (0..matrix.nrows()).for_each(|index| matrix[(index, index)] += part);
+        let Some(modes) = reduced_modes(matrix, &self.inertia, count)? else { return Ok(Vec::new()) };
+        let mode = |mode: ReducedMode| Found {
+            eigenvalue: Complex64::new(0.0, mode.frequency),
+            momentum: &self.inertia * &mode.coordinates,
+            shape: mode.coordinates,
         };
         Ok(modes.into_iter().map(mode).collect())
+    }
+
+    /// A mode in coordinates of the space.
+    fn reduced(&self, mode: &Found) -> Found {
+        let forces = DVector::from_vec(products(self.forces.as_slice(), mode.shape.as_slice()));
+        let shape = self.combinations.ad_mul(&forces);
+        Found { eigenvalue: mode.eigenvalue, momentum: &self.inertia * &shape, shape }
+    }
+
+    /// A mode of the space in all coordinates.
+    fn full(&self, mode: &Found) -> Found {
+        let weights = &self.combinations * &mode.shape;
+        let sum = |columns: &DMatrix<Complex64>| {
+            combination(columns.as_slice(), columns.nrows(), weights.as_slice(), columns.nrows()).into()
+        };
+        Found { eigenvalue: mode.eigenvalue, shape: sum(&self.shapes), momentum: sum(&self.momenta) }
     }
 }
 
@@ -300,33 +305,64 @@ struct Lines {
 }
 
 impl Lines {
-    /// Continues the lines over a part of a step, between two stiffnesses, N/m, to the modes `found` at its end; there is none
-    /// before the first stiffness.
-    fn advance(
+    /// Continues the lines over a step of the stiffness to the modes `found` at its end; there is none before the first stiffness.
+    fn advance(&mut self, step: Option<&Step<'_>>, found: &[Found]) -> Result<(), AnalysisError> {
+        let assignment = self.assignment(found);
+        let Some(step) = step.filter(|_| assignment.as_ref().is_some_and(|assignment| !assignment.clear)) else {
+            self.assign(found, assignment);
+            return Ok(());
+        };
+        let space = step.space()?;
+        let reduced = |(number, mode): &(usize, Found)| (*number, space.reduced(mode));
+        let mut lines = Self { alive: self.alive.iter().map(reduced).collect(), ..*self };
+        let found: Vec<Found> = found.iter().map(|mode| space.reduced(mode)).collect();
+        lines.follow(&space, step.ends, step.ends, &found, 0)?;
+        self.started = lines.started;
+        self.alive = lines.alive.iter().map(|(number, mode)| (*number, space.full(mode))).collect();
+        Ok(())
+    }
+
+    /// Continues the lines over a part of a step, between two stiffnesses, N/m, to the modes `found` at its end, all in coordinates
+    /// of the space of the step between the stiffnesses `ends`.
+    fn follow(
         &mut self,
-        part: Option<(&Step<'_>, [f64; 2])>,
+        space: &StepSpace,
+        ends: [f64; 2],
+        [from, to]: [f64; 2],
         found: &[Found],
         halved: u32,
     ) -> Result<(), AnalysisError> {
+        let assignment = self.assignment(found);
+        if halved < MAX_HALVINGS && assignment.as_ref().is_some_and(|assignment| !assignment.clear) {
+            let middle = if from > 0.0 && to > 0.0 { from.sqrt() * to.sqrt() } else { f64::midpoint(from, to) };
+            let part = (middle - ends[0]) / (ends[1] - ends[0]);
+            let between = space.modes(part, self.count.saturating_add(FURTHER_MODES))?;
+            self.follow(space, ends, [from, middle], &between, halved + 1)?;
+            return self.follow(space, ends, [middle, to], found, halved + 1);
+        }
+        self.assign(found, assignment);
+        Ok(())
+    }
+
+    /// Which of the modes `found` continue which lines; `None` without modes.
+    fn assignment(&self, found: &[Found]) -> Option<Assignment> {
+        if found.is_empty() {
+            return None;
+        }
         let correlations: Vec<Vec<f64>> =
             self.alive.iter().map(|(_, line)| found.iter().map(|mode| line.correlation(mode)).collect()).collect();
         let before: Vec<Complex64> = self.alive.iter().map(|(_, line)| line.eigenvalue).collect();
         let after: Vec<Complex64> = found.iter().map(|mode| mode.eigenvalue).collect();
+        // The last modes may leave the computed ones.
+        let deciding = DECIDING_LINES.min(self.count).min(found.len());
+        let common = |a: usize, b: usize| self.alive[a].1.correlation(&self.alive[b].1);
+        Some(Assignment::new(&correlations, common, &before, &after, deciding))
+    }
+
+    /// Continues the lines to the modes `found`; others begin.
+    fn assign(&mut self, found: &[Found], assignment: Option<Assignment>) {
         let mut numbers = vec![None; found.len()];
-        if !found.is_empty() {
-            // The last modes may leave the computed ones.
-            let deciding = DECIDING_LINES.min(self.count).min(found.len());
-            let common = |a: usize, b: usize| self.alive[a].1.correlation(&self.alive[b].1);
-            let assignment = Assignment::new(&correlations, common, &before, &after, deciding);
-            if let Some((step, [from, to])) = part
-                && !assignment.clear
-                && halved < MAX_HALVINGS
-            {
-                let middle = if from > 0.0 && to > 0.0 { from.sqrt() * to.sqrt() } else { f64::midpoint(from, to) };
-                let between = step.modes(middle, self.count.saturating_add(FURTHER_MODES))?;
-                self.advance(Some((step, [from, middle])), &between, halved + 1)?;
-                return self.advance(Some((step, [middle, to])), found, halved + 1);
-            }
+        if let Some(assignment) = &assignment {
             for ((line, index), kept) in self.alive.iter().zip(&assignment.states).zip(&assignment.kept) {
                 if *kept > MIN_CONTINUATION {
                     numbers[*index] = Some(line);
@@ -335,7 +371,7 @@ impl Lines {
         }
         let mut alive = Vec::new();
         for (mode, line) in found.iter().zip(numbers) {
-            let distinct = after.iter().filter(|value| equal(**value, mode.eigenvalue)).count() == 1;
+            let distinct = found.iter().filter(|other| equal(other.eigenvalue, mode.eigenvalue)).count() == 1;
             alive.push(match line {
                 // The shapes of equal critical speeds may be any combination.
                 Some((number, known)) if !distinct => (*number, Found { eigenvalue: mode.eigenvalue, ..known.clone() }),
@@ -347,7 +383,6 @@ impl Lines {
             });
         }
         self.alive = alive;
-        Ok(())
     }
 }
 

@@ -12,7 +12,9 @@ use crate::connection::Row;
 use crate::linalg::{DecompositionError, Singular, Sparse, matrix_of_columns};
 use crate::mesh::Geometry;
 use crate::modal::equilibrium::{EquilibriumError, EquilibriumSpeeds, equilibrium};
-use crate::modal::lowest::{Highest, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
+use crate::modal::lowest::{
+    Highest, LowestModes, MIN_BANDED, ModalSpace, UndampedSearch, UndampedSpace, lowest_undamped,
+};
 use crate::modal::state_space::{FirstOrder, ModalStateSpace, Projected, StateMatrix};
 use crate::modal::undamped::{
     ComponentModes, ModalDamping, RealModes, SpectralRange, SubspaceKey, kept_modes, modes_of_loads,
@@ -54,13 +56,13 @@ struct DampingKey {
     highest: Highest,
 }
 
-/// What a number of lowest undamped modes reads beside its model.
+/// What the lowest undamped modes read beside their model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LowestKey {
     /// Direction of rotation.
     rotation: usize,
-    /// Number of modes.
-    count: usize,
+    /// Which ones.
+    wanted: LowestModes,
 }
 
 /// What the undamped modes of a large model up to a frequency read beside it.
@@ -110,7 +112,7 @@ struct LinearPart {
     /// Lowest and highest frequency for each [`crate::model::Rotation`].
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
     /// Lowest undamped modes; none where band matrices do not give them.
-    lowest: Recent<LowestKey, Option<Arc<RealModes>>, 2>,
+    lowest: Recent<LowestKey, Option<Arc<UndampedSpace>>, 2>,
     /// Modal damping.
     damping: Recent<DampingKey, Arc<ModalDamping>>,
     /// State-space models; `None` marks a model that modes cannot represent.
@@ -598,9 +600,9 @@ impl CachedModel {
         find: impl FnOnce(&UndampedSearch<'_>) -> Result<T, DecompositionError>,
     ) -> Result<T, DecompositionError> {
         let (range, rotation) = (self.spectral_range(speed)?, self.model.rotation(speed));
-        let lowest = |count: usize| {
-            let find = || Ok(lowest_undamped(&self.model, rotation.speed(), range, count)?.map(Arc::new));
-            self.linear_part().lowest.get_or_try(LowestKey { rotation: rotation as usize, count }, find)
+        let lowest = |wanted: LowestModes| {
+            let find = || Ok(lowest_undamped(&self.model, rotation.speed(), range, wanted)?.map(Arc::new));
+            self.linear_part().lowest.get_or_try(LowestKey { rotation: rotation as usize, wanted }, find)
         };
         let all = || self.real_modes(speed);
         find(&UndampedSearch { model: &self.model, speed, range, lowest: &lowest, all: &all })

@@ -84,8 +84,8 @@ pub fn modes(
     let mut order: Vec<usize> = (0..eigenvalues.len()).filter(is_wanted).collect();
     order.sort_by(|a, b| ascending(eigenvalues[*a], eigenvalues[*b]));
     order.truncate(count);
-    let modal = (!cached.model.scene.modal_damping.is_zero())
-        .then(|| ModalDamping::new(&cached.model, real, real.frequencies.len(), f64::INFINITY));
+    let modal =
+        (!cached.model.scene.modal_damping.is_zero()).then(|| ModalDamping::new(&cached.model, real, f64::INFINITY));
     let pairs = order.into_iter().map(|index| pair((eigenvalues[index], &coordinates[index])));
     modes_of(cached, speed, modal.as_ref(), pairs)
 }

@@ -29,7 +29,7 @@ const ROUND_OFF: f64 = 100.0;
 /// has the frequency zero up to round-off.
 pub(super) const LARGEST_RESIDUAL: f64 = 0.1;
 /// Largest ratio of the shift s and |λ|, and of |λ| and s: modes within it share the factors of K + s²M.
-const SHARED: f64 = 2.0;
+const SHARED: f64 = 8.0;
 
 /// Residual of a mode and its limit, both relative.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,25 +6,30 @@
 //! An Arnoldi method may miss one of several equal eigenvalues. The eigenvalues in a disk |λ| < R that contains the wanted ones
 //! are therefore counted. As long as one is missing, the space is extended.
 
-use nalgebra::{Complex, DVector};
+use nalgebra::Complex;
 use num_complex::Complex64;
 
 use super::selection::{ModeSelection, ascending};
 use super::shift_invert::{Eigenpair, FirstOrderInverse, Problem};
 use crate::linalg::{DecompositionError, Krylov, MAX_BACKWARD_ERROR, Operator, RitzPair, matrix_of_columns};
-use crate::modal::undamped::{RealModes, ShiftInverse};
+use crate::modal::undamped::{RealModes, ShiftInverse, UndampedInverse};
 use crate::numerics::ROOT_OF_ROUND_OFF;
 
 /// Relative residual of an accurate mode. The error of an eigenvalue is proportional to it, to its square for a symmetric operator.
 const ACCURATE: f64 = 1e-12;
 /// Relative residual below which an approximation is used to count the eigenvalues.
 const RECOGNISED: f64 = 1e-7;
-/// Smallest relative distance of two magnitudes between which the radius of the count lies.
-pub(super) const GAP: f64 = 1e-4;
+/// Smallest relative distance of two magnitudes between which the radius of the count lies: the modes of both planes of a shaft stay
+/// together.
+pub(super) const GAP: f64 = 1e-3;
 /// Largest ratio of two magnitudes between which the radius of the count lies, if the larger one is an estimate.
 const FURTHEST: f64 = 1.5;
 /// An eigenvalue below this fraction of the shift is the velocity of a rigid-body mode.
 const ZERO: f64 = 1e-7;
+/// Smallest ratio to the radius of the count of a less accurate approximation that represents eigenvalues outside in it.
+const OUTSIDE: f64 = 1.2;
+/// Steps in which one more eigenvalue becomes accurate, where most have done so.
+const STEPS_PER_EIGENVALUE: f64 = 1.25;
 /// Number of times that the space is extended for missing eigenvalues.
 const MAX_RESTARTS: usize = 6;
 
@@ -42,18 +47,19 @@ pub fn lowest(
         ModeSelection::All => count.saturating_sub(problem.null.ncols()),
         ModeSelection::Vibrations => count,
     };
-    let search = Search {
-        count: elastic,
-        is_wanted: &|value| selection.contains(problem.model, problem.speed, value),
-        missing: &|found, radius| problem.missing_in_disk(found.iter().map(|found| found.value), radius),
-    };
     let pairs = if problem.undamped {
-        let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
-        let operator = ShiftInverse::new(problem.model, problem.speed, problem.shift)?;
-        let square = |value: Complex64| 1.0 / value.re - problem.shift * problem.shift;
-        let eigenvalue = |value| elastic_value(problem, Complex64::new(0.0, square(value).max(0.0).sqrt()));
-        search.run(Krylov::new(&operator, locked), eigenvalue)?.map(|found| real_modes(problem, &found, elastic))
+        let most = most_steps::<UndampedInverse<'_>>(elastic);
+        let found = elastic_modes(problem, elastic, most, false, &|found| found.len() >= elastic)?;
+        found.map(|found| undamped_pairs(&found.modes))
     } else {
+        let search = Search {
+            count: elastic,
+            takes_further: false,
+            most_steps: most_steps::<FirstOrderInverse<'_, '_>>(elastic),
+            is_wanted: &|value| selection.contains(problem.model, problem.speed, value),
+            is_enough: &|found| found.len() >= elastic,
+            missing: &|known, radius| problem.missing_in_disk(known, radius),
+        };
         let operator = FirstOrderInverse::new(problem)?;
         let eigenvalue = |value: Complex64| elastic_value(problem, problem.shift + 1.0 / value);
         let found = search.run(Krylov::new(&operator, problem.rigid_states()), eigenvalue)?;
@@ -63,25 +69,88 @@ pub fn lowest(
     Ok(pairs.map(|pairs| Eigenpair::lowest(rigid.chain(pairs.into_iter().take(elastic)).collect(), count)))
 }
 
+/// Eigenvalues and shapes of undamped modes.
+fn undamped_pairs(modes: &RealModes) -> Vec<Eigenpair> {
+    let shapes = modes.vectors.column_iter().map(|column| column.map(Complex::from));
+    let values = modes.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
+    values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
+}
+
 /// An eigenvalue that is not that of a rigid-body mode.
 fn elastic_value(problem: &Problem<'_>, value: Complex64) -> Option<Complex64> {
     (problem.null.ncols() == 0 || value.norm() > ZERO * problem.shift).then_some(value)
 }
 
-/// The `count` lowest modes of an undamped problem.
+/// Undamped modes of a model.
+#[derive(Debug)]
+pub struct UndampedSpace {
+    /// The lowest ones, which may be followed by approximations in the Krylov space of their search.
+    pub modes: RealModes,
+    /// Highest frequency of an accurate mode, rad/s; no mode below it is missing.
+    pub highest: f64,
+}
+
+/// The lowest modes of an undamped problem, about `count` of them, until `is_enough` holds for their frequencies, rad/s, rigid-body
+/// modes included; `None` after this number of steps. `approximates` asks for all approximations of the space as well.
 ///
 /// # Errors
 /// [`DecompositionError`] if a decomposition fails.
 pub(in crate::modal) fn undamped_modes(
     problem: &Problem<'_>,
     count: usize,
-) -> Result<Option<RealModes>, DecompositionError> {
-    let Some(pairs) = lowest(problem, count, ModeSelection::All)? else {
+    most_steps: usize,
+    approximates: bool,
+    is_enough: impl Fn(&[f64]) -> bool,
+) -> Result<Option<UndampedSpace>, DecompositionError> {
+    let null = problem.null.ncols();
+    let is_enough = |found: &[Complex64]| {
+        let rigid = std::iter::repeat_n(0.0, null);
+        is_enough(&rigid.chain(found.iter().map(|value| value.im)).collect::<Vec<_>>())
+    };
+    let Some(elastic) = elastic_modes(problem, count.saturating_sub(null), most_steps, approximates, &is_enough)?
+    else {
         return Ok(None);
     };
-    let columns: Vec<DVector<f64>> = pairs.iter().map(|pair| pair.shape.map(|value| value.re)).collect();
+    let rigid = problem.null.column_iter();
+    let columns: Vec<_> = rigid.chain(elastic.modes.vectors.column_iter()).collect();
     let vectors = matrix_of_columns(problem.model.len(), &columns);
-    Ok(Some(RealModes::of_shapes(problem.model, problem.speed, vectors, problem.null.ncols())))
+    let modes = RealModes::of_shapes(problem.model, problem.speed, vectors, null);
+    Ok(Some(UndampedSpace { modes, ..elastic }))
+}
+
+/// The lowest elastic modes of an undamped problem, about `count` of them, until `is_enough` holds for their eigenvalues.
+fn elastic_modes(
+    problem: &Problem<'_>,
+    count: usize,
+    most_steps: usize,
+    approximates: bool,
+    is_enough: &dyn Fn(&[Complex64]) -> bool,
+) -> Result<Option<UndampedSpace>, DecompositionError> {
+    let search = Search {
+        count,
+        takes_further: true,
+        most_steps,
+        is_wanted: &|_| true,
+        is_enough,
+        missing: &|known, radius| problem.missing_in_disk(known, radius),
+    };
+    let locked = problem.null.column_iter().map(|column| column.iter().copied().collect());
+    let inverse = ShiftInverse::new(problem.model, problem.speed, problem.shift)?;
+    let operator = UndampedInverse { inverse, mass: &problem.mass };
+    let square = |value: Complex64| 1.0 / value.re - problem.shift * problem.shift;
+    let eigenvalue = |value| elastic_value(problem, Complex64::new(0.0, square(value).max(0.0).sqrt()));
+    let Some(Spectrum { space, found, others, radius }) = search.run(Krylov::new(&operator, locked), eigenvalue)?
+    else {
+        return Ok(None);
+    };
+    let accurate = found.iter().filter(|found| found.value.im < radius);
+    let highest = accurate.clone().next_back().map_or(0.0, |last| last.value.im);
+    let further = found.iter().filter(|found| found.value.im >= radius).chain(&others);
+    let chosen = accurate.chain(further.filter(|_| approximates));
+    let columns: Vec<_> = chosen.map(|found| space.vector(&found.pair).map(|entry| entry.re)).collect();
+    let vectors = matrix_of_columns(problem.model.len(), &columns);
+    let modes = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
+    Ok(Some(UndampedSpace { modes, highest }))
 }
 
 /// An approximation of an eigenvalue.
@@ -94,11 +163,21 @@ pub(super) struct Found {
     is_wanted: bool,
 }
 
+impl Found {
+    fn is_accurate<T: Operator>(&self) -> bool {
+        self.pair.residual <= if T::SYMMETRIC { ROOT_OF_ROUND_OFF } else { ACCURATE }
+    }
+}
+
 /// Accurate approximations in a Krylov space.
 pub(super) struct Spectrum<'s, T: Operator> {
     pub space: Krylov<'s, T>,
     /// In ascending order of |λ|, with all wanted ones.
     pub found: Vec<Found>,
+    /// Less accurate ones after them.
+    others: Vec<Found>,
+    /// None below it is missing, rad/s.
+    radius: f64,
 }
 
 impl<T: Operator> Spectrum<'_, T> {
@@ -110,12 +189,18 @@ impl<T: Operator> Spectrum<'_, T> {
 
 /// A search for the lowest eigenvalues.
 pub(super) struct Search<'s> {
-    /// Number of wanted eigenvalues.
+    /// Number of wanted eigenvalues, for the size of the space.
     pub count: usize,
+    /// Whether further accurate ones are taken as well.
+    pub takes_further: bool,
+    /// Number of steps after which the search ends.
+    pub most_steps: usize,
+    /// Whether the lowest wanted eigenvalues, rad/s, are enough.
+    pub is_enough: &'s dyn Fn(&[Complex64]) -> bool,
     /// Whether the mode of an eigenvalue λ with Im λ ≥ 0, rad/s, is wanted.
     pub is_wanted: &'s dyn Fn(Complex64) -> bool,
-    /// Number of eigenvalues with |λ| below a radius, rad/s, that are missing; none if it cannot be determined.
-    pub missing: &'s dyn Fn(&[Found], f64) -> Option<i64>,
+    /// Number of eigenvalues with |λ| below a radius, rad/s, that are missing in known values; none if it cannot be determined.
+    pub missing: &'s dyn Fn(&[Complex64], f64) -> Option<i64>,
 }
 
 impl Search<'_> {
@@ -128,7 +213,7 @@ impl Search<'_> {
     ) -> Result<Option<Spectrum<'s, T>>, DecompositionError> {
         let per_mode = if T::SYMMETRIC { 1 } else { 2 };
         let mut target = first_steps::<T>(self.count);
-        let most = most_steps::<T>(self.count);
+
         // Two bending planes have equal modes at rest.
         for _ in 0..if T::SYMMETRIC { 2 } else { 1 } {
             space.add_start()?;
@@ -138,17 +223,22 @@ impl Search<'_> {
             while space.steps() < target && !space.is_complete() {
                 space.step()?;
             }
-            let (found, next) = self.recognised(&space, &eigenvalue)?;
+            let [found, others] = self.recognised(&space, &eigenvalue)?;
+            let next = others.first().map_or(f64::INFINITY, |next| next.value.norm());
             let steps = space.steps();
             let Some(radius) = self.radius::<T>(&found, next) else {
-                if space.is_complete() || steps >= most {
+                if space.is_complete() || steps >= self.most_steps {
                     return Ok(None);
                 }
-                target = steps + further_steps(steps);
+                let accurate = found.iter().filter(|found| found.is_wanted && found.is_accurate::<T>()).count();
+                let further = self.count.saturating_sub(accurate) as f64 * STEPS_PER_EIGENVALUE * per_mode as f64;
+                target = steps + further_steps(steps).max(further as usize);
                 continue;
             };
-            if (self.missing)(&found, radius) == Some(0) {
-                return Ok(Some(Spectrum { space, found }));
+            let outside = others.iter().map(|found| found.value).filter(|value| value.norm() > OUTSIDE * radius);
+            let known: Vec<Complex64> = found.iter().map(|found| found.value).chain(outside).collect();
+            if (self.missing)(&known, radius) == Some(0) {
+                return Ok(Some(Spectrum { space, found, others, radius }));
             }
             if restarts == MAX_RESTARTS {
                 return Ok(None);
@@ -161,13 +251,12 @@ impl Search<'_> {
         }
     }
 
-    /// Approximations of eigenvalues λ with Im λ ≥ 0, in ascending order of |λ|, and the magnitude of the next approximation,
-    /// rad/s, which is less accurate.
+    /// Approximations of eigenvalues λ with Im λ ≥ 0, in ascending order of |λ|, and the less accurate ones after them, rad/s.
     fn recognised<T: Operator>(
         &self,
         space: &Krylov<'_, T>,
         eigenvalue: impl Fn(Complex64) -> Option<Complex64>,
-    ) -> Result<(Vec<Found>, f64), DecompositionError> {
+    ) -> Result<[Vec<Found>; 2], DecompositionError> {
         let found = |pair: RitzPair| {
             let value = without_round_off(eigenvalue(pair.value)?);
             Some(Found { value, pair, is_wanted: (self.is_wanted)(value) })
@@ -176,34 +265,37 @@ impl Search<'_> {
         all.retain(|found| found.value.im >= 0.0);
         all.sort_by(|a, b| ascending(a.value, b.value));
         let last = all.iter().rposition(|found| found.pair.residual <= RECOGNISED).map_or(0, |last| last + 1);
-        let next = all.get(last).map_or(f64::INFINITY, |next| next.value.norm());
-        all.truncate(last);
+        let others = all.split_off(last);
         all.retain(|found| found.pair.residual <= RECOGNISED);
-        Ok((all, next))
+        Ok([all, others])
     }
 
     /// Radius in a gap of the magnitudes, rad/s, so that the found modes below it are enough and accurate; `next` is an estimate
     /// of the magnitude that follows the found ones, rad/s.
     fn radius<T: Operator>(&self, found: &[Found], next: f64) -> Option<f64> {
-        let mut wanted = 0;
-        for (index, mode) in found.iter().enumerate() {
-            if mode.pair.residual > if T::SYMMETRIC { ROOT_OF_ROUND_OFF } else { ACCURATE } {
-                return None;
-            }
-            wanted += usize::from(mode.is_wanted);
+        let (mut wanted, mut radius) = (Vec::new(), None);
+        for (index, mode) in found.iter().enumerate().take_while(|(_, mode)| mode.is_accurate::<T>()) {
+            wanted.extend(mode.is_wanted.then_some(mode.value));
             let size = mode.value.norm();
-            let following = found.get(index + 1).map_or(next.min(FURTHEST * size), |following| following.value.norm());
-            if wanted >= self.count && following > (1.0 + GAP) * size {
-                return Some(f64::midpoint(size, following));
+            let following = match found.get(index + 1) {
+                Some(following) => following.value.norm(),
+                None if radius.is_some() => break,
+                None => next.min(FURTHEST * size),
+            };
+            if following > (1.0 + GAP) * size && (self.is_enough)(&wanted) {
+                radius = Some(f64::midpoint(size, following));
+                if !self.takes_further {
+                    break;
+                }
             }
         }
-        None
+        radius
     }
 }
 
 /// Number of steps before the first decomposition in a search for `count` modes, which some models need.
 pub(super) fn first_steps<T: Operator>(count: usize) -> usize {
-    if T::SYMMETRIC { 2 * count + 8 } else { 4 * count + 24 }
+    if T::SYMMETRIC { 2 * count + 8 } else { 4 * count + 16 }
 }
 
 /// Number of steps after which a search for `count` modes ends.
@@ -214,18 +306,6 @@ pub(super) fn most_steps<T: Operator>(count: usize) -> usize {
 /// Number of steps by which a space of so many steps is extended.
 pub(super) fn further_steps(steps: usize) -> usize {
     (steps / 8).max(8)
-}
-
-/// Modes of an undamped problem. All approximations of one frequency are rotated together.
-fn real_modes(problem: &Problem<'_>, spectrum: &Spectrum<'_, ShiftInverse<'_>>, count: usize) -> Vec<Eigenpair> {
-    let highest = spectrum.wanted(count).last().map_or(0.0, |last| (1.0 + GAP) * last.value.im);
-    let chosen = spectrum.found.iter().take_while(|found| found.value.im <= highest);
-    let columns: Vec<_> = chosen.map(|found| spectrum.space.vector(&found.pair).map(|entry| entry.re)).collect();
-    let vectors = matrix_of_columns(problem.model.len(), &columns);
-    let real = RealModes::of_shapes(problem.model, problem.speed, vectors, 0);
-    let shapes = real.vectors.column_iter().map(|column| column.map(Complex::from));
-    let values = real.frequencies.iter().map(|frequency| Complex64::new(0.0, *frequency));
-    values.zip(shapes).map(|(value, shape)| Eigenpair { value, shape }).collect()
 }
 
 /// Modes of a damped problem.

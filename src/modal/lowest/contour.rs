@@ -177,17 +177,38 @@ mod tests {
         }
     }
 
+    /// Counts eigenvalues with |λ| < 5 that are missing in `values`; returns their number and that of the determinants.
+    fn counted(others: usize, values: &[Complex64]) -> (Option<i64>, usize) {
+        let calls = std::cell::Cell::new(0);
+        let determinant = determinant(others);
+        let counting = |at| {
+            calls.set(calls.get() + 1);
+            determinant(at)
+        };
+        let missing = missing_in_disk(counting, &Known { zeros: 2, values: values.to_vec() }, 5.0);
+        (missing, calls.get())
+    }
+
     #[test]
     fn many_other_eigenvalues_do_not_disturb_the_count() {
         for others in [10, 100, 1000] {
-            let calls = std::cell::Cell::new(0);
-            let determinant = determinant(others);
-            let counted = |at| {
-                calls.set(calls.get() + 1);
-                determinant(at)
-            };
-            assert_eq!(missing_in_disk(counted, &Known { zeros: 2, values: VALUES[1..].to_vec() }, 5.0), Some(2));
-            assert!(calls.get() < 60, "{} determinants for {others}", calls.get());
+            let (missing, calls) = counted(others, &VALUES[1..]);
+            assert_eq!(missing, Some(2));
+            assert!(calls < 60, "{calls} determinants for {others}");
+        }
+    }
+
+    #[test]
+    fn approximations_outside_save_determinants_and_count_for_nothing() {
+        // The third pair is close to the circle; its approximation is wrong by a tenth.
+        let rough = [Complex64::new(-0.4, 7.7), Complex64::new(-80.0, 0.0), Complex64::new(3.0, 50.0)];
+        let close = [Complex64::new(-0.5, 5.01); 2];
+        for inside in [&[0, 1, 3][..], &[1, 3], &[0, 1]] {
+            let known: Vec<Complex64> = inside.iter().map(|index| VALUES[*index]).collect();
+            let (missing, calls) = counted(20, &known);
+            let (same, fewer) = counted(20, &[&known[..], &rough].concat());
+            assert!(missing.is_some() && missing == same && fewer <= calls, "{missing:?} {same:?}: {calls}, {fewer}");
+            assert_eq!(counted(20, &[&known[..], &close].concat()).0, missing);
         }
     }
 }

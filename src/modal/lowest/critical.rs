@@ -13,7 +13,7 @@ use std::cell::OnceCell;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use num_complex::Complex64;
 
-use super::arnoldi::{GAP, Search, Spectrum, first_steps, further_steps};
+use super::arnoldi::{GAP, Search, Spectrum, first_steps, further_steps, most_steps};
 use super::contour::{self, Known};
 use super::newton::ModeAtSpeed;
 use crate::connection::Row;
@@ -100,21 +100,8 @@ impl<'a, 'm> CriticalSpace<'a, 'm> {
     /// # Errors
     /// [`DecompositionError`] if an eigenvalue iteration fails.
     pub fn modes(&self, other: &Model, count: usize) -> Result<Option<Vec<ReducedMode>>, DecompositionError> {
-        let (size, steps) = (other.len(), self.space.steps());
-        let basis = self.space.basis();
-        let mut stiffness = DMatrix::identity(steps, steps);
-        for StiffnessChange { rows, stiffness: change } in StiffnessChange::all(self.space.operator().model, other) {
-            let deflections = |row: &Row| {
-                let of = |vector: usize| row.iter().map(|(index, part)| basis[vector * size + index] * *part).sum();
-                DVector::from_fn(steps, |vector, _| -> Complex64 { of(vector) }).conjugate()
-            };
-            let rows: Vec<_> = rows.iter().map(deflections).collect();
-            for (left, change) in rows.iter().zip(change) {
-                for (right, change) in rows.iter().zip(change) {
-                    stiffness.gerc(Complex64::from(change), left, right, Complex64::ONE);
-                }
-            }
-        }
+        let mut stiffness = DMatrix::identity(self.space.steps(), self.space.steps());
+        add_stiffness_change([self.space.operator().model, other], self.space.basis(), &mut stiffness);
         Ok(reduced_modes(stiffness, &self.space.projected(), count)?.filter(|modes| modes.len() == count))
     }
 
@@ -149,6 +136,24 @@ impl StiffnessChange {
             Some(Self { rows: from.rows.clone(), stiffness: change(&from.local, &to.local)? })
         });
         supports.chain(links).collect()
+    }
+}
+
+/// Adds VᴴΔKV to a matrix, for the change ΔK of the symmetric part of the bearing stiffness from one model to another one with the
+/// same elements, and the columns V of n entries each, of which there may be more than the matrix has.
+pub fn add_stiffness_change([from, to]: [&Model; 2], columns: &[Complex64], sum: &mut DMatrix<Complex64>) {
+    let (size, count) = (to.len(), sum.ncols());
+    for StiffnessChange { rows, stiffness } in StiffnessChange::all(from, to) {
+        let deflections = |row: &Row| {
+            let of = |vector: usize| row.iter().map(|(index, part)| columns[vector * size + index] * *part).sum();
+            DVector::from_fn(count, |vector, _| -> Complex64 { of(vector) }).conjugate()
+        };
+        let rows: Vec<_> = rows.iter().map(deflections).collect();
+        for (left, change) in rows.iter().zip(stiffness) {
+            for (right, change) in rows.iter().zip(change) {
+                sum.gerc(Complex64::from(change), left, right, Complex64::ONE);
+            }
+        }
     }
 }
 
@@ -250,11 +255,11 @@ impl<'m> CriticalInverse<'m> {
     ) -> Result<Option<Spectrum<'a, Self>>, DecompositionError> {
         let search = Search {
             count,
+            takes_further: false,
+            most_steps: most_steps::<Self>(count),
             is_wanted: &|value| value.im > 0.0,
-            missing: &|found, radius| {
-                let values: Vec<_> = found.iter().map(|found| found.value).collect();
-                self.missing(&values, radius * radius)
-            },
+            is_enough: &|found| found.len() >= count,
+            missing: &|known, radius| self.missing(known, radius * radius),
         };
         search.run(space, |value| Some((-1.0 / value).sqrt()))
     }

@@ -16,9 +16,9 @@ mod newton;
 mod selection;
 mod shift_invert;
 
-pub use arnoldi::lowest;
-pub use critical::{CriticalInverse, CriticalSpace, ReducedMode, lowest_critical, reduced_modes};
-pub use modal_space::{Highest, MAX_DENSE, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
+pub use arnoldi::{UndampedSpace, lowest};
+pub use critical::{CriticalInverse, CriticalSpace, ReducedMode, add_stiffness_change, lowest_critical, reduced_modes};
+pub use modal_space::{Highest, LowestModes, MAX_DENSE, MIN_BANDED, ModalSpace, UndampedSearch, lowest_undamped};
 pub use mode_space::ModeSpace;
 pub use newton::{FullEquations, ModeAtSpeed, Unknown, mode_near};
 pub use selection::{ModeSelection, ascending, vibrates};

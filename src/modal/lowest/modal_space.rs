@@ -13,20 +13,23 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::arnoldi::undamped_modes;
+use super::arnoldi::{UndampedSpace, first_steps, most_steps, undamped_modes};
 use super::shift_invert::Problem;
 use crate::connection::Row;
 use crate::linalg::{DecompositionError, matrix_of_columns, symmetric_eigen};
 use crate::modal::state_space::Projected;
-use crate::modal::undamped::{ModalDamping, RealModes, ShiftInverse, SpectralRange, null_motions, times};
+use crate::modal::undamped::{
+    ModalDamping, RealModes, ShiftInverse, SpectralRange, UndampedInverse, null_motions, times,
+};
 use crate::model::Model;
 use crate::numerics::{ROOT_OF_ROUND_OFF, ROUND_OFF};
 
-/// Smallest number of elastic modes with damping. In the machines of `examples/machines` with a ratio of 0.01, the others change
+/// Smallest number of modes with damping in responses. In the machines of `examples/machines` with a ratio of 0.01, the others change
 /// responses to bow and unbalance by less than 1e-5 of their size.
 const MIN_DAMPED_MODES: usize = 80;
-/// Smallest ratio of the highest frequency with damping to the highest one in question. In the same machines, modes beyond this
-/// limit change eigenvalues by less than 1e-7 of their size.
+/// Smallest ratio of the highest frequency with damping to the highest one in question. The approximations of the Krylov space beyond
+/// have damping as well for eigenvalues: with the 36 accurate modes that the 12th mode asks for, those of the same machines change by up
+/// to 1.3e-6 of their size, with the approximations by 5e-7 at most, and in all but `gearbox` by 4e-9.
 const FREQUENCY_MARGIN: f64 = 8.0;
 /// Part of all modes up to which a Krylov space gives the lowest ones faster than dense matrices give all.
 const MAX_KRYLOV_FRACTION: f64 = 0.3;
@@ -35,9 +38,6 @@ pub const MIN_BANDED: usize = 100;
 /// Largest number of degrees of freedom for which dense matrices replace band matrices that do not give an answer. All modes of
 /// such a model take minutes.
 pub const MAX_DENSE: usize = 2000;
-/// Smallest relative distance of the frequency of a mode that is left out from that of a damped one: the modes of both planes of a
-/// shaft stay together.
-const GAP: f64 = 1e-3;
 /// Smallest number of lowest modes in which damping of all modes changes with the speed, and number of real shifts of the displacements
 /// beside them. Forces on any coordinates of `overhung_rotor` then cause responses within 2e-10 of those with the modes of each speed;
 /// with 20 modes and one shift within 2e-8, with six modes and eight shifts within 3e-10.
@@ -53,6 +53,44 @@ pub enum Highest {
     Mode(usize),
 }
 
+/// Which of the lowest undamped modes are wanted, rigid-body modes included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LowestModes {
+    /// Smallest number.
+    count: usize,
+    /// Highest frequency in question, beyond which the modes reach by [`FREQUENCY_MARGIN`]; none for the number alone.
+    highest: Option<Highest>,
+}
+
+impl LowestModes {
+    /// The modes with damping for a highest frequency in question.
+    fn damped(highest: Highest) -> Self {
+        let count = match highest {
+            // Frequencies of bending increase with the square of the number of the mode.
+            Highest::Mode(number) => (FREQUENCY_MARGIN.sqrt() * number as f64).ceil() as usize,
+            Highest::Frequency(_) => MIN_DAMPED_MODES,
+        };
+        Self { count, highest: Some(highest) }
+    }
+
+    /// Whether these are all, for the frequencies of the lowest modes, rad/s, of a model of n = `size`.
+    fn are_all(self, frequencies: &[f64], size: usize) -> bool {
+        let highest = frequencies.last().copied().unwrap_or(0.0);
+        let is_far = self.highest.is_none_or(|limit| match limit {
+            Highest::Frequency(limit) => highest >= FREQUENCY_MARGIN * limit,
+            Highest::Mode(number) => frequencies.get(number).is_some_and(|limit| highest >= FREQUENCY_MARGIN * limit),
+        });
+        // A large model has no dense matrices for more modes.
+        let is_limit = size > MAX_DENSE && frequencies.len() >= most_modes(size);
+        self.count <= frequencies.len() && is_far || is_limit
+    }
+}
+
+/// Largest number of undamped modes from a Krylov space, for n = `size`.
+fn most_modes(size: usize) -> usize {
+    (MAX_KRYLOV_FRACTION * size as f64) as usize
+}
+
 /// A search for the lowest undamped modes of a model.
 pub struct UndampedSearch<'m> {
     /// The model.
@@ -61,8 +99,8 @@ pub struct UndampedSearch<'m> {
     pub speed: f64,
     /// Lowest and highest frequency.
     pub range: &'m SpectralRange,
-    /// A number of lowest modes from band matrices; none if these do not give them.
-    pub lowest: &'m dyn Fn(usize) -> Result<Option<Arc<RealModes>>, DecompositionError>,
+    /// Lowest modes from band matrices; none if these do not give them.
+    pub lowest: &'m dyn Fn(LowestModes) -> Result<Option<Arc<UndampedSpace>>, DecompositionError>,
     /// All modes, where band matrices do not give the lowest ones.
     pub all: &'m dyn Fn() -> Result<&'m RealModes, DecompositionError>,
 }
@@ -87,7 +125,7 @@ pub struct ModalSpace {
     reach: f64,
 }
 
-/// The `count` lowest undamped modes of a model at `speed` of the reference shaft, rad/s, from band matrices; `None` if these do
+/// The lowest undamped modes of a model at `speed` of the reference shaft, rad/s, from band matrices; `None` if these do
 /// not give them.
 ///
 /// # Errors
@@ -96,9 +134,20 @@ pub fn lowest_undamped(
     model: &Model,
     speed: f64,
     range: &SpectralRange,
-    count: usize,
-) -> Result<Option<RealModes>, DecompositionError> {
-    undamped_modes(&Problem::new(model, speed, range, None)?.without_damping(), count)
+    wanted: LowestModes,
+) -> Result<Option<UndampedSpace>, DecompositionError> {
+    let size = model.len();
+    let mut most = most_steps::<UndampedInverse<'_>>(wanted.count);
+    if wanted.highest.is_some() && size <= MAX_DENSE {
+        // Dense matrices give more modes faster.
+        if wanted.count.max(MIN_DAMPED_MODES) > most_modes(size) {
+            return Ok(None);
+        }
+        most = first_steps::<UndampedInverse<'_>>(most_modes(size));
+    }
+    let problem = Problem::new(model, speed, range, None)?.without_damping();
+    let approximates = matches!(wanted.highest, Some(Highest::Mode(_)));
+    undamped_modes(&problem, wanted.count, most, approximates, |frequencies| wanted.are_all(frequencies, size))
 }
 
 impl UndampedSearch<'_> {
@@ -107,8 +156,18 @@ impl UndampedSearch<'_> {
     /// # Errors
     /// [`DecompositionError`] if the undamped modes cannot be found.
     pub(in crate::modal) fn damping(&self, highest: Highest) -> Result<ModalDamping, DecompositionError> {
-        let modes = DampedModes::new(self, highest)?;
-        Ok(ModalDamping::new(self.model, &modes.shapes, modes.kept, modes.reach()))
+        let modes = self.damped_modes(highest)?;
+        Ok(ModalDamping::new(self.model, &modes.modes, reach(&modes)))
+    }
+
+    /// The modes with damping for a highest frequency in question.
+    fn damped_modes(&self, highest: Highest) -> Result<Arc<UndampedSpace>, DecompositionError> {
+        let is_limited = highest != Highest::Frequency(f64::INFINITY) || self.model.len() > MAX_DENSE;
+        if is_limited && let Some(modes) = (self.lowest)(LowestModes::damped(highest))? {
+            return Ok(modes);
+        }
+        let modes = (self.all)()?.clone();
+        Ok(Arc::new(UndampedSpace { highest: modes.highest(), modes }))
     }
 }
 
@@ -122,7 +181,8 @@ impl ModalSpace {
         rows: &[Row],
         highest: Highest,
     ) -> Result<Self, DecompositionError> {
-        Self::of_modes(search, rows, &DampedModes::new(search, highest)?)
+        let modes = search.damped_modes(highest)?;
+        Self::of_modes(search, rows, &modes)
     }
 
     /// The same with the `count` lowest modes; `None` if band matrices do not give them.
@@ -134,17 +194,19 @@ impl ModalSpace {
         rows: &[Row],
         count: usize,
     ) -> Result<Option<Self>, DecompositionError> {
-        let Some(shapes) = (search.lowest)(count)? else {
+        let Some(modes) = (search.lowest)(LowestModes { count, highest: None })? else {
             return Ok(None);
         };
-        Self::of_modes(search, rows, &DampedModes { kept: shapes.frequencies.len(), shapes }).map(Some)
+        Self::of_modes(search, rows, &modes).map(Some)
     }
 
     /// The space of known modes and of static displacements.
-    fn of_modes(search: &UndampedSearch<'_>, rows: &[Row], modes: &DampedModes) -> Result<Self, DecompositionError> {
+    fn of_modes(search: &UndampedSearch<'_>, rows: &[Row], modes: &UndampedSpace) -> Result<Self, DecompositionError> {
         let (model, speed) = (search.model, search.speed);
-        let (null, damped) = (modes.shapes.null, modes.elastic());
-        let known = modes.shapes.vectors.columns(0, null + damped).into_owned();
+        let (reach, UndampedSpace { modes, highest }) = (reach(modes), modes);
+        let null = modes.null;
+        let known = modes.vectors.clone();
+        let damped = known.ncols() - null;
         let mut loads = DMatrix::zeros(model.len(), rows.len());
         for (row, mut load) in rows.iter().zip(loads.column_iter_mut()) {
             row.iter().for_each(|(index, coefficient)| load[*index] += coefficient);
@@ -172,12 +234,12 @@ impl ModalSpace {
         let shapes = matrix_of_columns(model.len(), &columns);
         let mut space = Self {
             momenta: Arc::new(model.mass_times(&shapes)),
-            frequencies: modes.shapes.frequencies.as_slice()[null..null + damped].to_vec(),
+            frequencies: modes.frequencies.as_slice()[null..].to_vec(),
             changing: shapes.ncols(),
             constant_rates: DMatrix::zeros(shapes.ncols(), shapes.ncols()),
             shapes,
-            highest: modes.shapes.frequencies[modes.kept - 1],
-            reach: modes.reach(),
+            highest: *highest,
+            reach,
         };
         if space.changing == damped {
             space.separate_constant(model, speed, shift, &loads)?;
@@ -262,56 +324,7 @@ impl ModalSpace {
     }
 }
 
-/// The lowest undamped modes, of which the first `kept` ones have damping.
-struct DampedModes {
-    shapes: Arc<RealModes>,
-    kept: usize,
-}
-
-impl DampedModes {
-    fn new(search: &UndampedSearch<'_>, highest: Highest) -> Result<Self, DecompositionError> {
-        let model = search.model;
-        let all = || -> Result<Self, DecompositionError> {
-            let shapes = Arc::new((search.all)()?.clone());
-            Ok(Self { kept: shapes.frequencies.len(), shapes })
-        };
-        if highest == Highest::Frequency(f64::INFINITY) && model.len() <= MAX_DENSE {
-            return all();
-        }
-        let largest = (MAX_KRYLOV_FRACTION * model.len() as f64) as usize;
-        let mut size = MIN_DAMPED_MODES;
-        loop {
-            let is_last = 2 * size > largest;
-            if size > largest && model.len() <= MAX_DENSE {
-                return all();
-            }
-            let Some(shapes) = (search.lowest)(size.min(largest))? else {
-                return all();
-            };
-            let limit = match highest {
-                Highest::Frequency(frequency) => frequency,
-                Highest::Mode(number) => shapes.frequencies.get(number).copied().unwrap_or(f64::INFINITY),
-            };
-            let frequencies = shapes.frequencies.as_slice();
-            let kept = (1..frequencies.len())
-                .rev()
-                .find(|index| frequencies[*index] > (1.0 + GAP) * frequencies[index - 1])
-                .unwrap_or(frequencies.len());
-            if frequencies[kept - 1] >= FREQUENCY_MARGIN * limit || is_last && model.len() > MAX_DENSE {
-                return Ok(Self { shapes, kept });
-            }
-            size *= 2;
-        }
-    }
-
-    /// As [`ModalDamping::reach`].
-    fn reach(&self) -> f64 {
-        let is_all = self.kept == self.shapes.vectors.nrows();
-        if is_all { f64::INFINITY } else { self.shapes.frequencies[self.kept - 1] / FREQUENCY_MARGIN }
-    }
-
-    /// Number of elastic modes with damping.
-    fn elastic(&self) -> usize {
-        self.kept.saturating_sub(self.shapes.null)
-    }
+/// As [`ModalDamping::reach`], for these modes with damping.
+fn reach(UndampedSpace { modes, highest }: &UndampedSpace) -> f64 {
+    if modes.vectors.is_square() { f64::INFINITY } else { highest / FREQUENCY_MARGIN }
 }

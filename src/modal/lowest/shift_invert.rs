@@ -14,7 +14,7 @@ use num_complex::Complex64;
 use super::contour::{self, Known};
 use super::selection::ascending;
 use crate::linalg::{CoupledFactors, DecompositionError, LuFactors, MAX_BACKWARD_ERROR, Operator, Sparse};
-use crate::modal::undamped::{ModalDamping, SpectralRange, mass_times, null_motions};
+use crate::modal::undamped::{ModalDamping, SpectralRange, null_motions};
 use crate::model::{Model, Weights};
 
 /// Largest relative difference of the Rayleigh quotient from the eigenvalue of the space.
@@ -44,6 +44,8 @@ pub struct Problem<'m> {
     pub speed: f64,
     /// s, rad/s.
     pub shift: f64,
+    /// M.
+    pub mass: Sparse,
     /// C + ΩG, the part of D without modal damping.
     pub rate: Sparse,
     /// Modal damping, the other part of D.
@@ -75,7 +77,8 @@ impl<'m> Problem<'m> {
                 || model.circulation.is_some_and(|speed| speed != 0.0);
         let null = null_motions(model, speed)?;
         // Coordinates with unit inertia have one unit; round-off of the rigid-body modes is relative to their largest entry.
-        let inertia = model.sparse_mass().diagonal();
+        let mass = model.sparse_mass();
+        let inertia = mass.diagonal();
         let scaled = |row: usize, column: usize, value: f64| value.abs() / (inertia[row] * inertia[column]).sqrt();
         let largest = rate.largest(scaled);
         let acts = |column: usize| {
@@ -93,6 +96,7 @@ impl<'m> Problem<'m> {
             stiffness: model.sparse_symmetric_stiffness(speed),
             model,
             speed,
+            mass,
             rate,
             modal,
             null,
@@ -132,6 +136,7 @@ impl<'m> Problem<'m> {
             model: self.model,
             speed: self.speed,
             shift: self.shift,
+            mass: self.mass.clone(),
             rate: Sparse::new(self.model.len(), Vec::new()),
             modal: None,
             stiffness: self.stiffness.clone(),
@@ -156,10 +161,10 @@ impl<'m> Problem<'m> {
 
     /// Number of eigenvalues with |λ| < `radius` that are missing in `found`; `None` if it cannot be determined. Without damping it
     /// is the inertia of K − radius²·M (Sturm sequence; Golub and Van Loan, section 8.4).
-    pub fn missing_in_disk(&self, found: impl Iterator<Item = Complex64> + Clone, radius: f64) -> Option<i64> {
+    pub fn missing_in_disk(&self, found: &[Complex64], radius: f64) -> Option<i64> {
         if self.undamped {
             let matrix = self.model.dynamic_stiffness(&self.weights(Complex64::new(0.0, radius)), self.speed);
-            let known = self.null.ncols() + found.clone().filter(|value| value.norm() < radius).count();
+            let known = self.null.ncols() + found.iter().filter(|value| value.norm() < radius).count();
             if let Some(negative) = matrix.negative_eigenvalues() {
                 return Some(negative as i64 - known as i64);
             }
@@ -170,7 +175,7 @@ impl<'m> Problem<'m> {
             let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
             matrix.determinant(sense).ok()
         };
-        contour::missing_in_disk(determinant, &Known { zeros, values: found.collect() }, radius)
+        contour::missing_in_disk(determinant, &Known { zeros, values: found.to_vec() }, radius)
     }
 
     /// The root of λ² + λ φᴴDφ + φᴴKφ next to `value`, for φᴴMφ = 1. The elastic energy of the strains has less round-off
@@ -267,10 +272,11 @@ impl Operator for FirstOrderInverse<'_, '_> {
     }
 
     fn apply(&self, state: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        let Problem { model, rate, modal, shift, .. } = self.problem;
+        let Problem { model, mass, rate, modal, shift, .. } = self.problem;
         let (x, z) = state.split_at(model.len());
-        let momentum: Vec<f64> = x.iter().zip(z).map(|(x, z)| -(z + shift * x)).collect();
-        let mut force = mass_times(model, &momentum);
+        let velocity: Vec<f64> = x.iter().zip(z).map(|(x, z)| z + shift * x).collect();
+        let mut force = vec![0.0; model.len()];
+        mass.multiply_add(-1.0, &velocity, &mut force);
         rate.multiply_add(-1.0, x, &mut force);
         if let Some(modal) = modal {
             modal.multiply_add(-1.0, x, &mut force);
@@ -289,12 +295,13 @@ impl Operator for FirstOrderInverse<'_, '_> {
 
     /// The inner product is xᵀ(K + s²M)x' + zᵀMz', with the symmetric part of K.
     fn weigh(&self, state: &[f64]) -> Vec<f64> {
-        let Problem { model, shift, stiffness, .. } = self.problem;
+        let Problem { model, mass, shift, stiffness, .. } = self.problem;
         let (x, z) = state.split_at(model.len());
-        let mut weighted = mass_times(model, x);
-        weighted.iter_mut().for_each(|value| *value *= shift * shift);
-        stiffness.multiply_add(1.0, x, &mut weighted);
-        weighted.extend(mass_times(model, z));
+        let mut weighted = vec![0.0; state.len()];
+        let (force, momentum) = weighted.split_at_mut(model.len());
+        stiffness.multiply_add(1.0, x, force);
+        mass.multiply_add(shift * shift, x, force);
+        mass.multiply_add(1.0, z, momentum);
         weighted
     }
 }

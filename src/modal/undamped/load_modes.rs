@@ -7,7 +7,7 @@
 use nalgebra::DMatrix;
 
 use super::real::{RealModes, null_motions};
-use super::spectral_range::{ShiftInverse, SpectralRange};
+use super::spectral_range::{ShiftInverse, SpectralRange, UndampedInverse};
 use crate::linalg::{DecompositionError, Krylov};
 use crate::model::Model;
 
@@ -25,9 +25,10 @@ pub fn modes_of_loads(
 ) -> Result<RealModes, DecompositionError> {
     let null = null_motions(model, speed)?;
     let inverse = ShiftInverse::new(model, speed, range.slowest.unwrap_or(range.fastest.max(1.0)))?;
-    let mut space = Krylov::new(&inverse, null.column_iter().map(|column| column.iter().copied().collect()));
+    let operator = UndampedInverse { inverse, mass: &model.sparse_mass() };
+    let mut space = Krylov::new(&operator, null.column_iter().map(|column| column.iter().copied().collect()));
     for load in loads {
-        space.add_vector(inverse.solve(load)?);
+        space.add_vector(operator.inverse.solve(load)?);
     }
     while space.steps() < steps && !space.is_complete() {
         space.step()?;

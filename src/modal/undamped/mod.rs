@@ -21,5 +21,5 @@ pub use load_modes::modes_of_loads;
 pub use modal_damping::{DampedMotions, ModalDamping};
 pub use pins::Pins;
 pub use real::{RealModes, null_motions, times};
-pub use spectral_range::{ShiftInverse, SpectralRange, mass_times};
+pub use spectral_range::{ShiftInverse, SpectralRange, UndampedInverse};
 pub use speed_couplings::{CoupledMotion, CouplingChoice, SpeedCoupling, speed_couplings};

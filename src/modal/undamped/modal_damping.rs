@@ -79,9 +79,9 @@ impl ModalDamping {
         Ok(DampedMotions { shapes, momenta, squares, damped: self.frequencies.len() })
     }
 
-    /// Damping of the elastic modes among the first `kept` ones, for modes up to |λ| = `reach`, rad/s.
-    pub(in crate::modal) fn new(model: &Model, modes: &RealModes, kept: usize, reach: f64) -> Self {
-        let (null, elastic) = (modes.null, kept.saturating_sub(modes.null));
+    /// Damping of elastic modes, for modes up to |λ| = `reach`, rad/s.
+    pub(in crate::modal) fn new(model: &Model, modes: &RealModes, reach: f64) -> Self {
+        let (null, elastic) = (modes.null, modes.frequencies.len() - modes.null);
         let momenta = model.mass_times(&modes.vectors.columns(null, elastic).into_owned());
         let ratios = model.scene.modal_damping.clone();
         let frequencies = modes.frequencies.as_slice()[null..null + elastic].to_vec();

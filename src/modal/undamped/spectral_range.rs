@@ -49,14 +49,15 @@ impl SpectralRange {
     pub(in crate::modal) fn new(model: &Model, speed: f64) -> Result<Self, DecompositionError> {
         let stiffness = model.sparse_symmetric_stiffness(speed);
         let none = DMatrix::zeros(model.len(), 0);
-        let (fastest, shape) = largest(&MassInverse { model, stiffness: &stiffness }, &none, STEPS)?;
+        let mass = model.sparse_mass();
+        let (fastest, shape) = largest(&MassInverse { model, mass: &mass, stiffness: &stiffness }, &none, STEPS)?;
         let fastest = fastest.sqrt();
         let null = null_motions(model, speed)?;
         let mut slowest = None;
         if null.ncols() < model.len() && fastest > 0.0 {
             let shift = SHIFT * fastest;
             let inverse = ShiftInverse { tolerance: MAX_BACKWARD_ERROR, ..ShiftInverse::new(model, speed, shift)? };
-            let (value, _) = largest(&inverse, &null, FEW_STEPS)?;
+            let (value, _) = largest(&UndampedInverse { inverse, mass: &mass }, &null, FEW_STEPS)?;
             slowest = Some((1.0 / value - shift * shift).max(0.0).sqrt());
         }
         Ok(Self { slowest, fastest, fastest_shape: shape })
@@ -128,6 +129,7 @@ fn largest(
 /// M⁻¹K.
 struct MassInverse<'m> {
     model: &'m Model,
+    mass: &'m Sparse,
     stiffness: &'m Sparse,
 }
 
@@ -140,18 +142,17 @@ impl Operator for MassInverse<'_> {
     }
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        let mut image = vec![0.0; x.len()];
-        self.stiffness.multiply_add(1.0, x, &mut image);
+        let mut image = image(self.stiffness, x);
         self.model.solve_mass(&mut image);
         Ok(image)
     }
 
     fn weigh(&self, x: &[f64]) -> Vec<f64> {
-        mass_times(self.model, x)
+        image(self.mass, x)
     }
 }
 
-/// (K + s²M)⁻¹M with a shift s, rad/s.
+/// (K + s²M)⁻¹ with a shift s, rad/s.
 pub struct ShiftInverse<'m> {
     model: &'m Model,
     /// Factors of K + s²M in circular coordinates.
@@ -182,33 +183,40 @@ impl<'m> ShiftInverse<'m> {
     }
 }
 
-impl Operator for ShiftInverse<'_> {
+/// (K + s²M)⁻¹M with a shift s, rad/s.
+pub struct UndampedInverse<'m> {
+    pub inverse: ShiftInverse<'m>,
+    /// M.
+    pub mass: &'m Sparse,
+}
+
+impl Operator for UndampedInverse<'_> {
     type Scalar = f64;
     const SYMMETRIC: bool = true;
     const IN_PAIRS: bool = true;
 
     fn size(&self) -> usize {
-        self.model.len()
+        self.inverse.model.len()
     }
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, DecompositionError> {
-        self.solve(&mass_times(self.model, x))
+        self.inverse.solve(&self.weigh(x))
     }
 
     fn apply_both(&self, x: &[f64], y: &[f64]) -> Result<[Vec<f64>; 2], DecompositionError> {
-        let momenta = [x, y].map(|x| DVector::from_vec(mass_times(self.model, x)));
-        let solved = self.solve_columns(&DMatrix::from_columns(&momenta))?;
+        let momenta = [x, y].map(|x| DVector::from_vec(self.weigh(x)));
+        let solved = self.inverse.solve_columns(&DMatrix::from_columns(&momenta))?;
         Ok([0, 1].map(|column| solved.column(column).iter().copied().collect()))
     }
 
     fn weigh(&self, x: &[f64]) -> Vec<f64> {
-        mass_times(self.model, x)
+        image(self.mass, x)
     }
 }
 
-/// M x.
-pub fn mass_times(model: &Model, x: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; x.len()];
-    model.multiply_mass(x, &mut product);
-    product
+/// A x of a sparse matrix A.
+fn image(matrix: &Sparse, x: &[f64]) -> Vec<f64> {
+    let mut image = vec![0.0; x.len()];
+    matrix.multiply_add(1.0, x, &mut image);
+    image
 }
