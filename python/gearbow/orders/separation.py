@@ -133,7 +133,7 @@ def fit(segments: Sequence[SignalSegment], orders: tuple[Order, ...]) -> OrderFi
 def _fit(segment: SignalSegment, numbers: Array) -> tuple[ComplexArray, float, Array]:
     """Give amplitudes and mean in the middle of a segment, and its remainder."""
     if segment.period is not None:
-        return _fit_period(segment, numbers)
+        return _fit_period(segment, numbers, segment.period)
     terms = segment.degree + 1
     angles = 2.0 * np.pi * np.outer(segment.turns - segment.centre, numbers)
     waves = np.hstack([np.ones((segment.turns.size, 1)), np.cos(angles), np.sin(angles)])
@@ -157,13 +157,15 @@ def _fit(segment: SignalSegment, numbers: Array) -> tuple[ComplexArray, float, A
     return amplitudes, float(at_middle[0]), remainder
 
 
-def _fit_period(segment: SignalSegment, numbers: Array) -> tuple[ComplexArray, float, Array]:
+def _fit_period(
+    segment: SignalSegment, numbers: Array, period: float
+) -> tuple[ComplexArray, float, Array]:
     """Give the same for samples that divide a period evenly, where the waves are orthogonal."""
     values, count = segment.values, segment.turns.size
     mean = float(values.mean())
     amplitudes = 2.0 / count * segment.waves(numbers, values)
     spectrum = np.zeros(count // 2 + 1, complex)
-    spectrum[np.rint(numbers * segment.period).astype(int)] = amplitudes / 2.0
+    spectrum[np.rint(numbers * period).astype(int)] = amplitudes / 2.0
     remainder: Array = values - mean - np.fft.irfft(spectrum, count, norm="forward")
     # Phases refer to the angle 0 of the reference shaft.
     return amplitudes * np.exp(-2j * np.pi * numbers * segment.turns[0]), mean, remainder
