@@ -176,6 +176,18 @@ class SteadyState(WithSpeeds, Stored):
         found: ComplexArray = self._multipliers.copy()
         return found
 
+    def largest_multiplier(self) -> float:
+        """Compute the magnitude of the largest multiplier, which decides about the stability.
+
+        It takes fewer periods than all `multipliers` do, and none if these are known.
+
+        Returns
+        -------
+        float
+            Magnitude; 0 if all are below the default magnitude of `multipliers`.
+        """
+        return float(np.abs(self._largest_multipliers()).max(initial=0.0))
+
     def _largest_multipliers(self) -> ComplexArray:
         """Give the largest multipliers of the default magnitude; smaller ones may be missing."""
         if self._multipliers is not None:
