@@ -261,6 +261,7 @@ def multipliers(
     smallest: float,
     record: list[Record],
     progress: Callable[[float], object] | None,
+    only_largest: bool = False,
     kept: KeptModes | None = None,
     **options: Unpack[RunOptions],
 ) -> ComplexArray: ...

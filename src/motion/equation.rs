@@ -107,14 +107,10 @@ impl<'m> EquationOfMotion<'m> {
         let spins: Vec<f64> = ratios().map(|ratio| ratio * speed).collect();
         let at_origin: Vec<_> = ratios().map(|ratio| rotation.phasor_at_origin(ratio)).collect();
         let rotating_loads = if rotation.is_constant() {
-            RotatingLoad::at_constant_speed(model, &spins, &at_origin)
+            RotatingLoad::at_constant_speed(model, rotation, &spins, &at_origin)
         } else {
             RotatingLoad::at_changing_speed(model, &spins, &at_origin)
         };
-        let norm_bearings = model.bearings.iter().map(|bearing| {
-            let [stiffness, damping] = bearing.at(speed);
-            Link::new(String::new(), bearing.rows.to_vec(), stiffness, damping)
-        });
         let frame_forces = FrameForces::new(model, speed);
         let centrifugal = frame_forces.as_ref().map(|forces| &forces.centrifugal);
         let constant_load = centrifugal.map_or_else(|| model.constant_load.clone(), |load| &model.constant_load + load);
@@ -139,7 +135,7 @@ impl<'m> EquationOfMotion<'m> {
             constant_load,
             frame_forces,
             modal_damping: None,
-            norm_bearings: norm_bearings.collect(),
+            norm_bearings: bearings_at(model, speed).collect(),
             equilibrium,
             scratch: vec![0.0; model.len()],
         }
@@ -148,7 +144,14 @@ impl<'m> EquationOfMotion<'m> {
     /// Quadratic form qᵀKq, with each mesh linearised at rest.
     pub(super) fn elastic_form(&self, q: &[f64]) -> f64 {
         let constant = self.model.elastic_form(q, |mesh| self.sigma[mesh]);
-        self.norm_bearings.iter().fold(constant, |sum, link| sum + link.local.elastic_form(&link.scalars(q)))
+        self.norm_bearings.iter().fold(constant, |sum, link| sum + elastic_form_of(link, q))
+    }
+
+    /// Energy norm of displacements without velocities, √J, at a largest speed of the reference shaft, rad/s: that of
+    /// [`crate::integrate::FirstOrderSystem::norm`].
+    pub fn elastic_norm(model: &Model, speed: f64, q: &[f64]) -> f64 {
+        let constant = model.elastic_form(q, |mesh| model.sigma(mesh, speed));
+        bearings_at(model, speed).fold(constant, |sum, link| sum + elastic_form_of(&link, q)).max(0.0).sqrt()
     }
 
     /// All connections of the model, meshes first.
@@ -373,6 +376,19 @@ impl<'m> EquationOfMotion<'m> {
     pub(super) fn pose<'a>(&self, mesh: usize, phases: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
         self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], phases, q, v)
     }
+}
+
+/// The speed-dependent bearings as links with their coefficients at a speed of the reference shaft, rad/s.
+fn bearings_at(model: &Model, speed: f64) -> impl Iterator<Item = Link> + '_ {
+    model.bearings.iter().map(move |bearing| {
+        let [stiffness, damping] = bearing.at(speed);
+        Link::new(String::new(), bearing.rows.to_vec(), stiffness, damping)
+    })
+}
+
+/// Quadratic form qᵀKq of a link.
+fn elastic_form_of(link: &Link, q: &[f64]) -> f64 {
+    link.local.elastic_form(&link.scalars(q))
 }
 
 /// Share of the impulse of a load over time within one interval of its series that counts as a motion.

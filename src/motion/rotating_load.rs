@@ -7,7 +7,7 @@
 
 use num_complex::Complex64;
 
-use super::RotationState;
+use super::{RotationState, ShaftRotation};
 use crate::connection::Row;
 use crate::model::{Excitation, Model};
 
@@ -42,20 +42,34 @@ pub struct RotatingLoad {
 impl RotatingLoad {
     /// The rotating loads at a constant speed: one for each shaft that has some, and the weight in each frame that turns.
     /// `spins` [rad/s] and `at_origin` (phasors at elapsed time zero) have the order of [`Model::turning_ratio`].
-    pub(super) fn at_constant_speed(model: &Model, spins: &[f64], at_origin: &[Complex64]) -> Vec<Self> {
+    pub(super) fn at_constant_speed(
+        model: &Model,
+        rotation: &ShaftRotation,
+        spins: &[f64],
+        at_origin: &[Complex64],
+    ) -> Vec<Self> {
         let amplitude = |excitation: &Excitation, spin: f64| excitation.amplitude(spin, 0.0);
         let shafts = 0..model.shafts.len();
         let loads = shafts.map(|shaft| Self::new(model, shaft, Scaling::Constant, spins, at_origin, amplitude));
-        let loads = loads.chain(model.scene.carriers().into_iter().map(|carrier| Self {
-            shaft: carrier,
-            spin: -spins[carrier],
-            ratio: -model.shafts[carrier].ratio,
-            at_origin: at_origin[carrier].conj(),
-            scaling: Scaling::Constant,
-            is_weight: true,
-            amplitudes: model.weight_in_frame(carrier),
-        }));
-        loads.filter(|load| !load.amplitudes.is_empty()).collect()
+        loads.filter(|load| !load.amplitudes.is_empty()).chain(Self::weights(model, rotation)).collect()
+    }
+
+    /// The weight in each frame that turns, at a constant speed; none without gravity across the shafts.
+    pub fn weights(model: &Model, rotation: &ShaftRotation) -> Vec<Self> {
+        let weight = |carrier: usize| {
+            let ratio = model.shafts[carrier].ratio;
+            Self {
+                shaft: carrier,
+                spin: -ratio * rotation.fastest,
+                ratio: -ratio,
+                at_origin: rotation.phasor_at_origin(ratio).conj(),
+                scaling: Scaling::Constant,
+                is_weight: true,
+                amplitudes: model.weight_in_frame(carrier),
+            }
+        };
+        let weights = model.scene.carriers().into_iter().map(weight);
+        weights.filter(|load| !load.amplitudes.is_empty()).collect()
     }
 
     /// The rotating loads of all shafts at a changing speed: for each shaft that of bow and turning forces, and that of

@@ -16,6 +16,7 @@ use super::options::{RecordEntry, run_options};
 use super::response::response_dict;
 use super::state::mesh_geometry;
 use crate::analysis::simulate::{Options, RecordPlan, Reduction};
+use crate::analysis::steady::Wanted;
 use crate::analysis::{AnalysisError, equilibrium, small_displacement_check, steady};
 use crate::mesh::Geometry;
 use crate::modal::RealModes;
@@ -159,28 +160,31 @@ fn options_with_modes(
     Ok(Options { kept_modes: kept.map(|kept| Arc::clone(&kept.get().modes)), ..run_options(py, initial, options)? })
 }
 
-/// Finds the multipliers of magnitude `smallest` and more of a steady state.
+/// Finds the multipliers of magnitude `smallest` and more of a steady state; with `only_largest`, smaller ones may be missing.
 ///
 /// # Errors
 /// The reason for which the runs end early, or Ctrl-C.
 #[pyfunction]
-#[pyo3(signature = (model, *, initial, smallest, record, progress, kept=None, **options))]
+#[pyo3(signature = (model, *, initial, smallest, record, progress, only_largest=false, kept=None, **options))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn multipliers<'py>(
     model: &Bound<'py, PyModel>,
     initial: &Bound<'py, PyAny>,
     smallest: f64,
     record: Vec<RecordEntry>,
     progress: Option<Py<PyAny>>,
+    only_largest: bool,
     kept: Option<&Bound<'py, PyKeptModes>>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyArray1<Complex<f64>>>> {
     let (py, owner) = (model.py(), model.get());
+    let wanted = Wanted { smallest, only_largest };
     let options = options_with_modes(py, initial, kept, options)?;
     let progress = progress.as_ref();
     let plan = record_plan(owner, record)?;
     let cached = Arc::clone(&owner.cached);
     let (outcome, raised) =
-        background::run(py, progress, move |_, watch| steady::multipliers(&cached, &options, &plan, smallest, watch))?;
+        background::run(py, progress, move |_, watch| steady::multipliers(&cached, &options, &plan, wanted, watch))?;
     Ok(PyArray1::from_vec(py, finished(outcome, raised)?))
 }
 

@@ -281,7 +281,8 @@ def orders(
     silent = [order for order in ranked if not _is_multiple(order.value, order_of_period)]
     excited = [order for order in ranked if _is_multiple(order.value, order_of_period)]
     length = _length(run, turns, excited, revolutions)
-    segments = cut(turns, values, length)
+    period = 1.0 / order_of_period if order_of_period else None
+    segments = cut(turns, values, length, period)
     sampling = _sampling(segments, time, turns)
     chosen = separated(excited, sampling)
     fitted = fit(segments, chosen.orders)

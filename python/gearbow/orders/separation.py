@@ -21,6 +21,8 @@ from gearbow.description.layout import Order
 
 #: Degree of the amplitudes in a segment. A parabola follows the peak of a resonance.
 _DEGREE = 2
+#: Largest distance of a sample from its place in a period that is divided evenly, in steps.
+_UNEVEN = 1e-6
 #: Distance of neighbouring segments, relative to their length. The window has 85 % of its largest
 #: weight halfway between two segments.
 _DISTANCE = 0.25
@@ -35,6 +37,16 @@ class SignalSegment:
     values: Array
     #: Half of the length in revolutions; None for a complete record.
     half: float | None = None
+    #: Period of the motion in revolutions if the samples divide it evenly; otherwise None.
+    period: float | None = None
+
+    def waves(self, orders: Array, values: Array) -> ComplexArray:
+        """Sum values times e^(-2πi n θ) of each order n; θ counts from the first sample."""
+        if self.period is not None:
+            found: ComplexArray = np.fft.rfft(values)[np.rint(orders * self.period).astype(int)]
+            return found
+        turns = self.turns - self.turns[0]
+        return np.array([np.exp(-2j * np.pi * order * turns) @ values for order in orders])
 
     @property
     def degree(self) -> int:
@@ -82,10 +94,19 @@ class OrderFit:
         return largest
 
 
-def cut(turns: Array, values: Array, length: float | None) -> list[SignalSegment]:
-    """Divide a record into segments of a length in revolutions; None is the complete record."""
+def cut(
+    turns: Array, values: Array, length: float | None, period: float | None = None
+) -> list[SignalSegment]:
+    """Divide a record of a motion into segments; without a length, it is the complete record.
+
+    Length and period, if there is one, are in revolutions.
+    """
     if length is None:
-        return [SignalSegment(float(turns[0] + turns[-1]) / 2.0, turns, values)]
+        if period is not None:
+            even = turns[0] + period * np.arange(turns.size) / turns.size
+            if np.abs(turns - even).max() > _UNEVEN * period / turns.size:
+                period = None
+        return [SignalSegment(float(turns[0] + turns[-1]) / 2.0, turns, values, period=period)]
     half, span = length / 2.0, float(turns[-1] - turns[0])
     count = max(1, round((span - length) / (_DISTANCE * length)) + 1)
     centres = np.linspace(turns[0] + half, turns[-1] - half, count)
@@ -111,6 +132,8 @@ def fit(segments: Sequence[SignalSegment], orders: tuple[Order, ...]) -> OrderFi
 
 def _fit(segment: SignalSegment, numbers: Array) -> tuple[ComplexArray, float, Array]:
     """Give amplitudes and mean in the middle of a segment, and its remainder."""
+    if segment.period is not None:
+        return _fit_period(segment, numbers, segment.period)
     terms = segment.degree + 1
     angles = 2.0 * np.pi * np.outer(segment.turns - segment.centre, numbers)
     waves = np.hstack([np.ones((segment.turns.size, 1)), np.cos(angles), np.sin(angles)])
@@ -132,6 +155,20 @@ def _fit(segment: SignalSegment, numbers: Array) -> tuple[ComplexArray, float, A
     turned = np.exp(-2j * np.pi * numbers * segment.centre)
     amplitudes = (at_middle[1 : count + 1] - 1j * at_middle[count + 1 :]) * turned
     return amplitudes, float(at_middle[0]), remainder
+
+
+def _fit_period(
+    segment: SignalSegment, numbers: Array, period: float
+) -> tuple[ComplexArray, float, Array]:
+    """Give the same for samples that divide a period evenly, where the waves are orthogonal."""
+    values, count = segment.values, segment.turns.size
+    mean = float(values.mean())
+    amplitudes = 2.0 / count * segment.waves(numbers, values)
+    spectrum = np.zeros(count // 2 + 1, complex)
+    spectrum[np.rint(numbers * period).astype(int)] = amplitudes / 2.0
+    remainder: Array = values - mean - np.fft.irfft(spectrum, count, norm="forward")
+    # Phases refer to the angle 0 of the reference shaft.
+    return amplitudes * np.exp(-2j * np.pi * numbers * segment.turns[0]), mean, remainder
 
 
 #: Smallest phase difference of neighbouring orders over a complete record, in periods.
@@ -314,9 +351,7 @@ def significant(
     for segment, remainder in zip(segments, fitted.remainders, strict=True):
         # The window keeps a line from appearing at the others.
         weighted = 2.0 * segment.window * remainder
-        for j, value in enumerate(values):
-            wave = np.exp(-2j * np.pi * value * (segment.turns - segment.turns[0]))
-            sizes[j] = max(sizes[j], abs(wave @ weighted))
+        sizes = np.maximum(sizes, np.abs(segment.waves(values, weighted)))
     least = _SIGNIFICANT * max(fitted.largest.max(initial=0.0), sizes.max(initial=0.0))
     most = min(_MOST_ADDED, sampling.most_orders - len(fitted.orders))
     taken: list[float] = fitted.values.tolist()

@@ -214,7 +214,7 @@ def _floquet(contents: Contents, steady: SteadyState) -> Note:
         kind = steady.instability()
     except GearbowError as error:
         return note("Stability of the steady state: not computed, because {reason}", reason=error)
-    largest = max(map(abs, steady.multipliers()), default=0.0)
+    largest = steady.largest_multiplier()
     # A motion that decays slowly has a multiplier that rounds to 1.
     near = abs(largest - 1.0) < 1e-3
     sign = "−" if largest < 1.0 else "+"

@@ -129,6 +129,7 @@ class SteadyState(WithSpeeds, Stored):
         self._model = model
         found = data.get("multipliers")
         self._multipliers = None if found is None else np.array([complex(*z) for z in found])
+        self._largest = self._multipliers
 
     def multipliers(self, magnitude: float = SMALLEST_MULTIPLIER) -> ComplexArray:
         """Compute the Floquet multipliers, the largest first.
@@ -163,7 +164,27 @@ class SteadyState(WithSpeeds, Stored):
         found: ComplexArray = self._multipliers.copy()
         return found
 
-    def _computed(self, smallest: float) -> ComplexArray:
+    def largest_multiplier(self) -> float:
+        """Compute the magnitude of the largest multiplier, which decides about the stability.
+
+        It takes fewer periods than all `multipliers` do, and none if these are known.
+
+        Returns
+        -------
+        float
+            Magnitude; 0 if all are below the default magnitude of `multipliers`.
+        """
+        return float(np.abs(self._largest_multipliers()).max(initial=0.0))
+
+    def _largest_multipliers(self) -> ComplexArray:
+        """Give the largest multipliers of the default magnitude; smaller ones may be missing."""
+        if self._multipliers is not None:
+            return self._multipliers
+        if self._largest is None:
+            self._largest = self._computed(SMALLEST_MULTIPLIER, only_largest=True)
+        return self._largest
+
+    def _computed(self, smallest: float, *, only_largest: bool = False) -> ComplexArray:
         """Compute the multipliers from a magnitude on."""
         request = self.response.request
         if request is None:
@@ -175,7 +196,9 @@ class SteadyState(WithSpeeds, Stored):
         if math.isinf(self.period):
             options["duration"] *= _PART
         with working(None, "multipliers"):
-            return multipliers(model, **options, smallest=smallest, progress=None)
+            return multipliers(
+                model, **options, smallest=smallest, progress=None, only_largest=only_largest
+            )
 
     def section_forces(self, at: At, side: Side = "before") -> SectionForces:
         """Section forces of a shaft over the recorded period, as `Response.section_forces`.
@@ -200,8 +223,9 @@ class SteadyState(WithSpeeds, Stored):
         Returns
         -------
         bool
-            Whether none of the `multipliers` lies outside the unit circle. A motion that ran in
-            has shown it: the difference of two runs has decayed.
+            Whether none of the `multipliers` lies outside the unit circle, of which only the
+            largest are computed. A motion that ran in has shown it: the difference of two runs
+            has decayed.
         """
         return self.instability() is None
 
@@ -215,7 +239,7 @@ class SteadyState(WithSpeeds, Stored):
         """
         if self.method == "quasi-periodic":
             return None
-        return instability(self.multipliers())
+        return instability(self._largest_multipliers())
 
     plot = plot
 

@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use crate::integrate::{Halt, Observer, Trajectory};
+
 /// Interval between two reports.
 const INTERVAL: Duration = Duration::from_millis(50);
 
@@ -37,4 +39,33 @@ impl<'a> Heartbeat<'a> {
 /// The time; none on WebAssembly, which has no clock: a run reports after every step there.
 fn now() -> Option<Instant> {
     if cfg!(target_family = "wasm") { None } else { Some(Instant::now()) }
+}
+
+/// An observer that only asks whether to continue.
+pub(super) struct Waiting<'a> {
+    pub heartbeat: Heartbeat<'a>,
+    /// Completed part of the work that is reported.
+    pub done: f64,
+}
+
+impl<'a> Waiting<'a> {
+    /// Nothing is completed yet.
+    pub fn new(watch: &'a mut dyn FnMut(f64) -> bool) -> Self {
+        Self { heartbeat: Heartbeat::waiting(watch), done: 0.0 }
+    }
+}
+
+impl Observer for Waiting<'_> {
+    fn next(&self) -> Option<f64> {
+        None
+    }
+
+    fn observe(&mut self, _motion: &mut impl Trajectory, _end: f64) -> Result<(), Halt> {
+        Ok(())
+    }
+
+    fn continues(&mut self, _elapsed: f64) -> bool {
+        let done = self.done;
+        self.heartbeat.continues(|| done)
+    }
 }

@@ -7,16 +7,14 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::super::equilibrium::{equilibrium, equilibrium_with_flanks};
 use super::super::synchronous::{motion, response_to, synchronous_of};
 use super::super::{AnalysisError, ExcitationPart, Spectrum};
+use super::heartbeat::Waiting;
 use super::run_cache::{Amplitudes, RunModel, SynchronousKey};
 use super::{Final, Initial, Options, explain};
 use crate::integrate::tableau::DORMAND_PRINCE;
-use crate::integrate::{
-    FirstOrderSystem as _, Halt, Observer, RungeKutta, State, Statistics, StepControl, Trajectory, run,
-};
-use crate::mesh::Geometry;
+use crate::integrate::{RungeKutta, State, Statistics, StepControl, run};
 use crate::modal::{CachedModel, EquilibriumSpeeds, Highest};
 use crate::model::{Model, ShaftModel};
-use crate::motion::{Anchor, EquationOfMotion, ShaftRotation};
+use crate::motion::{Anchor, EquationOfMotion, RotatingLoad, ShaftRotation};
 use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::{SceneError, Shaft, eccentricity, implausible_unbalance};
 
@@ -95,10 +93,8 @@ pub(super) fn start(
             (found, State::new(y), absolute)
         }
     };
-    let mut norm = EquationOfMotion::along(cached, Geometry::Frozen, &rotation, zero());
-    let whole = [displacement.as_slice(), zero().as_slice()].concat();
-    let floor = EQUALITY_TOLERANCE * norm.norm(&whole);
-    let floor = floor.max(f64::MIN_POSITIVE);
+    let norm = EquationOfMotion::elastic_norm(model, fastest, displacement.as_slice());
+    let floor = (EQUALITY_TOLERANCE * norm).max(f64::MIN_POSITIVE);
     let continues =
         matches!(&options.initial, Initial::Continue(last) if last.speed == options.speed && options.resumes(last));
     let Some(checkpoint) = &options.checkpoint else {
@@ -210,16 +206,13 @@ fn synchronous(
     let ratios = cached.model.shafts.iter().map(ShaftModel::ratio_in_frame);
     let phasors: Vec<_> = ratios.map(|ratio| rotation.phasor_at_origin(ratio)).collect();
     let (mut q, mut v) = motion(cached, speed, &amplitudes, &phasors);
-    if cached.model.scene.has_turning_frame() {
-        let equation = EquationOfMotion::along(cached, options.geometry, rotation, found.clone());
-        for weight in equation.sources().iter().filter(|load| load.is_weight) {
-            let phasor = weight.phasor(0.0, None);
-            let found = response_to(cached, speed, weight, Highest::Frequency(f64::INFINITY))?.phasors;
-            for (index, amplitude) in found.iter().enumerate() {
-                let value = amplitude * phasor;
-                q[index] += value.re;
-                v[index] -= weight.spin * value.im;
-            }
+    for weight in RotatingLoad::weights(&cached.model, rotation) {
+        let phasor = weight.phasor(0.0, None);
+        let found = response_to(cached, speed, &weight, Highest::Frequency(f64::INFINITY))?.phasors;
+        for (index, amplitude) in found.iter().enumerate() {
+            let value = amplitude * phasor;
+            q[index] += value.re;
+            v[index] -= weight.spin * value.im;
         }
     }
     Ok([(equilibrium_at(cached, options, found, time)? + q).as_slice(), v.as_slice()].concat())
@@ -264,25 +257,8 @@ fn complete(cached: &CachedModel, last: &Final, watch: &mut dyn FnMut(f64) -> bo
         let mut motion = motion.with_modal_damping(cached)?;
         let mut method = RungeKutta::new(DORMAND_PRINCE, 2 * n);
         let end = steps * (rest / steps);
-        run(&mut motion, &mut method, &control, &mut state, end, &mut Heartbeat(watch), &mut Statistics::new())
+        run(&mut motion, &mut method, &control, &mut state, end, &mut Waiting::new(watch), &mut Statistics::new())
             .map_err(|halted| explain(cached, &halted, rotation.origin))?;
     }
     Ok(state.y)
-}
-
-/// An observer that only asks whether to continue.
-struct Heartbeat<'a>(&'a mut dyn FnMut(f64) -> bool);
-
-impl Observer for Heartbeat<'_> {
-    fn next(&self) -> Option<f64> {
-        None
-    }
-
-    fn observe(&mut self, _motion: &mut impl Trajectory, _end: f64) -> Result<(), Halt> {
-        Ok(())
-    }
-
-    fn continues(&mut self, _elapsed: f64) -> bool {
-        (self.0)(0.0)
-    }
 }

@@ -19,6 +19,7 @@ use nalgebra::Complex;
 use super::AnalysisError;
 pub use super::simulate::kept_modes;
 use super::simulate::{Initial, Options, RecordPlan, Response, System, with_part_map, with_period_map};
+pub use multipliers::Wanted;
 pub use period::{common_period, has_constant_coefficients, slowest_period};
 use preconditioner::Preconditioner;
 use run_in::PARTS;
@@ -200,12 +201,12 @@ pub fn multipliers(
     system: &System,
     options: &Options,
     plan: &RecordPlan,
-    smallest: f64,
+    wanted: Wanted,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Vec<Complex<f64>>, AnalysisError> {
     with_period_map(system, options, plan, watch, |map| {
         let is_constant = has_constant_coefficients(&system.model, options.geometry);
-        multipliers::multipliers(map, smallest, is_constant)
+        multipliers::multipliers(map, wanted, is_constant)
     })
 }
 

@@ -24,17 +24,31 @@ const MIN_ENERGY_NORM: f64 = 1e-100;
 const MAX_RESIDUAL: f64 = 1e-6;
 /// Largest number of products with the derivative.
 const MAX_PRODUCTS: usize = 400;
-/// Number of products between two checks of the residuals.
-const CHECK_INTERVAL: usize = 4;
+/// Number of products over that between two checks of the residuals.
+const CHECKED_PART: usize = 8;
+/// Golden ratio, whose multiples have fractions without a pattern.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+/// Smallest part of a mode in the start vector of the Krylov space, relative to the largest one.
+const SMALLEST_START: f64 = 1e-3;
 
-/// The multipliers of magnitude `smallest` and more, the largest first, of the steady state in which the map begins. They are
-/// those of the linear motion if `is_constant`: the coefficients of the equation of motion are constant.
+/// Which multipliers are wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// Smallest magnitude.
+    pub smallest: f64,
+    /// Whether only the largest ones count: smaller ones may be missing.
+    pub only_largest: bool,
+}
+
+/// The wanted multipliers, the largest first, of the steady state in which the map begins. They are those of the linear motion
+/// if `is_constant`: the coefficients of the equation of motion are constant.
 pub fn multipliers(
     map: &mut PeriodMap<'_>,
-    smallest: f64,
+    wanted: Wanted,
     is_constant: bool,
 ) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    let mut values = if is_constant { multipliers_of_modes(map) } else { multipliers_of_map(map, smallest)? };
+    let smallest = wanted.smallest;
+    let mut values = if is_constant { multipliers_of_modes(map) } else { multipliers_of_map(map, wanted)? };
     let period = map.period();
     // No load reaches the modes that the run leaves out: their motion is linear.
     values.extend(map.omitted_eigenvalues()?.into_iter().map(|value| (value * period).exp()));
@@ -52,8 +66,8 @@ fn multipliers_of_modes(map: &PeriodMap<'_>) -> Vec<Complex<f64>> {
     modes.map(|value| (value * period).exp()).collect()
 }
 
-/// The multipliers of magnitude `smallest` and more of the modes of the run, from disturbed periods.
-fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
+/// The wanted multipliers of the modes of the run, from disturbed periods.
+fn multipliers_of_map(map: &mut PeriodMap<'_>, wanted: Wanted) -> Result<Vec<Complex<f64>>, AnalysisError> {
     let preconditioner = Preconditioner::new(map.linear(), map.period());
     let z = map.initial();
     map.adapt(&z)?;
@@ -70,8 +84,9 @@ fn multipliers_of_map(map: &mut PeriodMap<'_>, smallest: f64) -> Result<Vec<Comp
         }
     }
     let base = map.apply(&z)?;
+    let start = start_vector(map, &unknown, wanted.smallest);
     let operator = Monodromy { map: RefCell::new(map), z, base, size, unknown, is_affine, failure: RefCell::new(None) };
-    let found = eigenvalues(&operator, smallest);
+    let found = eigenvalues(&operator, start, wanted);
     if let Some(error) = operator.failure.take() {
         return Err(error);
     }
@@ -91,6 +106,23 @@ fn disturbed(map: &PeriodMap<'_>, z: &[f64], unknown: &[usize], size: f64) -> Ve
         state[*entry] += factor * part;
     }
     state
+}
+
+/// Start vector of the Krylov space: the modes as the linear motion leaves them after so many periods that those whose multipliers
+/// are smaller than `smallest` have the smallest part. As many products with the derivative would do the same.
+fn start_vector(map: &PeriodMap<'_>, unknown: &[usize], smallest: f64) -> Vec<f64> {
+    let rates = map.linear().pairs().iter().map(|pair| match pair {
+        ModePair::Oscillation(value) => [value.re; 2],
+        ModePair::Real(rates) => *rates,
+        ModePair::RigidBodyPair(rate) => [0.0, *rate],
+    });
+    let (rates, slots): (Vec<[f64; 2]>, usize) = (rates.collect(), map.linear().slots);
+    let periods = if smallest < 1.0 { SMALLEST_START.ln() / smallest.ln() } else { MAX_PRODUCTS as f64 };
+    let time = periods.min(MAX_PRODUCTS as f64) * map.period();
+    // Different parts, so that no symmetry cancels them.
+    let part = |number: usize| 0.5 + (number as f64 * GOLDEN_RATIO).fract();
+    let decay = |entry: usize| (rates[entry % slots][entry / slots] * time).exp().clamp(SMALLEST_START, 1.0);
+    unknown.iter().enumerate().map(|(number, entry)| part(number) * decay(*entry)).collect()
 }
 
 /// Entries of z that are unknowns: neither padding nor rigid-body motion.
@@ -152,23 +184,33 @@ impl Operator for Monodromy<'_, '_> {
     }
 }
 
-/// Eigenvalues of magnitude `smallest` and more.
+/// The wanted eigenvalues.
 ///
 /// # Errors
 /// [`AnalysisError::Convergence`] if one of them is not accurate.
-fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Complex<f64>>, AnalysisError> {
+fn eigenvalues(
+    operator: &Monodromy<'_, '_>,
+    start: Vec<f64>,
+    wanted: Wanted,
+) -> Result<Vec<Complex<f64>>, AnalysisError> {
     let mut space = Krylov::new(operator, []);
+    space.add_vector(start);
     let limit = operator.size().min(MAX_PRODUCTS);
-    let mut largest_residual = 0.0;
+    let (mut smallest, mut largest_residual, mut next_check) = (wanted.smallest, 0.0, 1);
     for count in 1..=limit {
         space.step()?;
         if operator.failure.borrow().is_some() {
             return Ok(Vec::new());
         }
-        if count % CHECK_INTERVAL != 0 && count < limit {
+        if count < next_check.min(limit) {
             continue;
         }
+        next_check = count + 1 + count / CHECKED_PART;
         let pairs = space.ritz_pairs()?;
+        if wanted.only_largest {
+            let accurate = pairs.iter().filter(|pair| pair.residual <= MAX_RESIDUAL);
+            smallest = accurate.map(|pair| pair.value.norm()).fold(wanted.smallest, f64::max);
+        }
         // An approximation may become one of the wanted values if its residual reaches them.
         let may_be_wanted = pairs.iter().filter(|pair| pair.value.norm() * (1.0 + pair.residual) >= smallest);
         largest_residual = may_be_wanted.clone().map(|pair| pair.residual).fold(0.0, f64::max);
@@ -181,7 +223,7 @@ fn eigenvalues(operator: &Monodromy<'_, '_>, smallest: f64) -> Result<Vec<Comple
                     "multipliers: those below {lost:.0e} are lost in the round-off of the largest one, {largest:.1e}; take a larger magnitude with multipliers(magnitude)"
                 )));
             }
-            return Ok(pairs.iter().map(|pair| pair.value).collect());
+            return Ok(pairs.iter().map(|pair| pair.value).filter(|value| value.norm() >= smallest).collect());
         }
     }
     if limit == 0 {

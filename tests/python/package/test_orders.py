@@ -11,7 +11,7 @@ import gearbow as gb
 from gearbow._types import SensitivityQuantity, SignalQuantity
 from gearbow.description.layout import Order
 from gearbow.orders import Kinematics, spectrum
-from gearbow.orders.separation import SignalSegment, cut, fit
+from gearbow.orders.separation import Sampling, SignalSegment, cut, fit, significant
 from gearbow.orders.spectrum import WINDOWS, amplitudes
 from gearbow.recording.record import SECTION_FORCES
 from gearbow.system import response_sensitivity
@@ -248,6 +248,28 @@ def test_amplitudes_that_change_over_the_speed_are_followed():
     assert found.track("1× input") == pytest.approx(slow(angle), rel=0.01)
     assert found.track("1× output") == pytest.approx(1e-6, rel=0.01)
     assert found.rest == pytest.approx(1e-8 / np.sqrt(2.0), rel=0.05)
+
+
+def test_samples_that_divide_a_period_evenly_have_the_amplitudes_of_least_squares():
+    random = np.random.default_rng(5)
+    period, count = 3.0, 501
+    orders = tuple(Order(number / period, (f"{number}",)) for number in (1, 2, 7, 30))
+    more = [Order(number / period, (f"{number}",)) for number in (9, 60)]
+    turns = 0.4 + period * np.arange(count) / count
+    values = random.normal(size=count)
+    sampling = Sampling(period, 0.5, count, 1, period / count, 1e-3, 10.0, is_segment=False)
+    even, uneven = (cut(turns, values, None, given) for given in (period, None))
+    assert (even[0].period, uneven[0].period) == (period, None)
+    # a sample at another place leaves least squares
+    late = turns + 1e-3 * period / count * (np.arange(count) == 100)
+    assert cut(late, values, None, period)[0].period is None
+    found, exact = fit(even, orders), fit(uneven, orders)
+    np.testing.assert_allclose(found.amplitudes, exact.amplitudes, atol=1e-12)
+    np.testing.assert_allclose(found.means, exact.means, atol=1e-12)
+    np.testing.assert_allclose(found.remainders[0], exact.remainders[0], atol=1e-12)
+    taken = significant(even, found, more, sampling)
+    assert taken
+    assert taken == significant(uneven, exact, more, sampling)
 
 
 def test_amplitudes_of_a_segment_are_those_of_its_middle():

@@ -259,6 +259,16 @@ def test_the_kind_of_an_instability_follows_from_its_multiplier():
     assert instability(np.array([0.9 + 0.9j, 0.9 - 0.9j])) == "Neimark-Sacker"
 
 
+@pytest.mark.parametrize("speed", [300.0, -300.0])
+def test_the_largest_multipliers_are_the_first_of_all(speed: float):
+    steady = train().steady_state(speed, rtol=1e-8)
+    largest = np.abs(steady._computed(0.01, only_largest=True))
+    every = np.abs(steady.multipliers(0.01))
+    assert every.size > largest.size > 0
+    # the error is far below the distance from the unit circle, which decides about the stability
+    assert largest[0] == pytest.approx(every[0], abs=1e-3 * abs(1.0 - every[0]))
+
+
 def test_a_mean_torque_without_balance_names_the_drive():
     system = train(torques=[gb.Torque("g1", 250.0)])
     with pytest.raises(gb.SceneError, match=r"torques: a mean torque .*gb.Drive"):

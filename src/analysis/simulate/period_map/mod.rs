@@ -4,30 +4,30 @@
 //! steps, so that the period ends with a step. [`PeriodMap::adapt`] chooses the step levels within each of them by the
 //! tolerance; [`PeriodMap::apply`] repeats these levels from other states, so that its result is a smooth function of the
 //! state as far as the loads are.
+//!
+//! `set_up` makes the map of a system, `record` records the motion over periods.
+
+mod record;
+mod set_up;
 
 use std::sync::Arc;
 
 use nalgebra::Complex;
 
-use super::exponential::{countable_grid, propagators};
-use super::initial::{Start, start};
+use super::exponential::propagators;
+use super::heartbeat::Waiting;
+use super::initial::Start;
 use super::known_reduction::Reduction;
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::options::is_large;
-use super::record::Recorder;
 use super::run_cache::RunModel;
-use super::{
-    Heartbeat, Options, RecordPlan, Response, Run, RunObserver, System, explain, foreign_contact_modes, limited_by,
-    motion, of_run, reduced_setup, tolerance,
-};
+use super::{Options, RecordPlan, explain};
 use crate::analysis::instability::growing_modes;
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::exponential::{LevelControl, STAGE_SOLVE_RTOL, Stepper, TimeGrid, run as integrate};
-use crate::integrate::{Halt, Halted, Observer, State, Statistics, Trajectory};
-use crate::modal::{ModalStateSpace, RealModes};
-
-/// Duration of the run that a reduction to fewer modes is chosen for, in periods: about as many as a solution takes.
-const EXPECTED_PERIODS: f64 = 10.0;
+use crate::integrate::{Halted, State, Statistics};
+use crate::modal::ModalStateSpace;
+pub use set_up::{kept_modes, with_part_map, with_period_map};
 
 /// Relative distance of two eigenvalues of one mode, of the complete model and of the modes of its components.
 const SAME_MODE_TOLERANCE: f64 = 1e-2;
@@ -49,76 +49,9 @@ pub struct PeriodMap<'a> {
     spectrum: Spectrum,
     /// Step levels of [`Self::apply`].
     levels: Arc<[u8]>,
-    observer: PeriodObserver<'a>,
+    observer: Waiting<'a>,
     /// Number of periods that have been integrated.
     pub runs: usize,
-}
-
-/// Calls `solve` with the period map of a system; `options.duration` is the period, s.
-///
-/// # Errors
-/// [`AnalysisError`] of the set-up, or of `solve`.
-pub fn with_period_map<T>(
-    system: &System,
-    options: &Options,
-    plan: &RecordPlan,
-    watch: &mut dyn FnMut(f64) -> bool,
-    solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
-) -> Result<T, AnalysisError> {
-    let several = several_periods(options);
-    let run = MapRun { options: &several, period: options.duration };
-    with_map_of(system, options, plan, run, watch, solve)
-}
-
-/// The modes that the runs of a period map keep, for runs at other speeds and of other systems with the same coordinates, and
-/// the reduction to them; none if they keep all modes.
-///
-/// # Errors
-/// [`AnalysisError`] of the set-up.
-pub fn kept_modes(
-    system: &System,
-    options: &Options,
-    plan: &RecordPlan,
-    watch: &mut dyn FnMut(f64) -> bool,
-) -> Result<Option<(Arc<RealModes>, Reduction)>, AnalysisError> {
-    let several = several_periods(options);
-    options.check()?;
-    system.model.check_speed(options.fastest())?;
-    let cached = &of_run(system, options)?;
-    let spectrum = Spectrum::new(cached, options.fastest())?;
-    let start = start(cached, &several, &spectrum, watch)?;
-    let end = start.state.elapsed + several.duration;
-    let run = Run { cached, base: None, options: &several, spectrum: &spectrum, floor: start.floor, end };
-    let mut observer = PeriodObserver { heartbeat: Heartbeat::waiting(watch), done: 0.0 };
-    let known = reduced_setup::kept_modes(&run, &start, plan, &mut observer)?;
-    Ok(known.map(|known| (Arc::new(known.projected.modes.clone()), known.reduction)))
-}
-
-/// The options of the run that a reduction to fewer modes is chosen for.
-fn several_periods(options: &Options) -> Options {
-    Options { duration: EXPECTED_PERIODS * options.duration, ..options.clone() }
-}
-
-/// Calls `solve` with the map over parts of the length `part`, s, of a motion of `options.duration`, s.
-///
-/// # Errors
-/// [`AnalysisError`] of the set-up, or of `solve`.
-pub fn with_part_map<T>(
-    system: &System,
-    options: &Options,
-    plan: &RecordPlan,
-    part: f64,
-    watch: &mut dyn FnMut(f64) -> bool,
-    solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
-) -> Result<T, AnalysisError> {
-    with_map_of(system, options, plan, MapRun { options, period: part }, watch, solve)
-}
-
-/// The run whose modes the map has.
-struct MapRun<'a> {
-    options: &'a Options,
-    /// Period of the map, s.
-    period: f64,
 }
 
 /// Where an integration ends.
@@ -127,70 +60,6 @@ struct Target {
     end: f64,
     /// Number of periods up to there.
     count: u64,
-}
-
-/// Calls `solve` with the map over the period of a run.
-fn with_map_of<T>(
-    system: &System,
-    options: &Options,
-    plan: &RecordPlan,
-    MapRun { options: several, period }: MapRun<'_>,
-    watch: &mut dyn FnMut(f64) -> bool,
-    solve: impl for<'a> FnOnce(&mut PeriodMap<'a>) -> Result<T, AnalysisError>,
-) -> Result<T, AnalysisError> {
-    options.check()?;
-    for speed in options.speed.magnitudes() {
-        system.model.check_speed(speed)?;
-    }
-    let cached = &of_run(system, options)?;
-    let spectrum = Spectrum::new(cached, options.fastest())?;
-    let start = start(cached, several, &spectrum, watch)?;
-    let motion = motion(cached, options, plan, &start)?;
-    if !motion.accepts_contact_modes(&start.state.contact_modes) {
-        return Err(foreign_contact_modes(&start).into());
-    }
-    let end = start.state.elapsed + several.duration;
-    let run = Run { cached, base: None, options: several, spectrum: &spectrum, floor: start.floor, end };
-    let mut observer = PeriodObserver { heartbeat: Heartbeat::waiting(watch), done: 0.0 };
-    let (setup, reduction) = reduced_setup::set_up(&run, motion.clone(), &start, plan, &mut observer)?;
-    let setup = if setup.linear.includes_meshes {
-        setup
-    } else {
-        // Without the meshes every shaft rotates freely, and the modes say little about the period map.
-        let complete = cached.at_speed(options.fastest())?.projected(options.fastest())?;
-        run.complete(motion, &start, plan, Some(&complete))?
-    };
-    if setup.linear.is_parallel() {
-        let message = format!(
-            "the modes are nearly parallel (condition number {:.1e}), as at critical damping; change the damping slightly, or run in with simulate()",
-            setup.linear.condition
-        );
-        return Err(AnalysisError::Convergence(message));
-    }
-    let grid = countable_grid(cached, several, &setup.linear, &setup.loads, end)?;
-    let steps = (period / grid.longest).ceil().max(1.0);
-    let time_grid = TimeGrid { longest: period / steps, ..grid };
-    let spins = setup.loads.spins();
-    let cache = propagators(cached, options, &setup.linear, setup.maps.clone(), time_grid, spins);
-    let stepper = Stepper::new(setup.loads.clone(), cache);
-    let levels = vec![0; steps as usize].into();
-    let mut map = PeriodMap {
-        cached,
-        options,
-        plan,
-        period,
-        setup,
-        reduction,
-        stepper,
-        time_grid,
-        steps: steps as u64,
-        start,
-        spectrum,
-        levels,
-        observer,
-        runs: 0,
-    };
-    solve(&mut map)
 }
 
 impl PeriodMap<'_> {
@@ -331,9 +200,7 @@ impl PeriodMap<'_> {
         if levels.len() != self.levels.len() {
             self.steps = levels.len() as u64;
             self.time_grid.longest = self.period / self.steps as f64;
-            let (linear, maps, loads) = (&self.setup.linear, self.setup.maps.clone(), &self.setup.loads);
-            let cache = propagators(self.cached, self.options, linear, maps, self.time_grid, loads.spins());
-            self.stepper = Stepper::new(loads.clone(), cache);
+            self.stepper = stepper(self.cached, self.options, &self.setup, self.time_grid);
         }
         self.levels = levels.into();
     }
@@ -361,51 +228,6 @@ impl PeriodMap<'_> {
         let state = State { elapsed, ..State::new(z.to_vec()) };
         let (control, end) = (self.control(rtol), self.end(elapsed, count));
         Ok(self.follow(&mut stepper, control, state, Target { end, count })?.y)
-    }
-
-    /// The recorded motion of `count` periods from a state z, with steps that meet the tolerance, whose levels are kept.
-    /// Returns the state at the end too.
-    ///
-    /// # Errors
-    /// [`AnalysisError`] if the run ends early.
-    pub fn record(&mut self, count: u64, z: &[f64], samples: usize) -> Result<(Response, Vec<f64>), AnalysisError> {
-        let (origin, begin) = (self.start.rotation.origin, self.start.state.elapsed);
-        let (end, duration) = (self.end(begin, count), self.period * count as f64);
-        let times: Vec<f64> =
-            (0..samples).map(|sample| origin + begin + duration * sample as f64 / samples as f64).collect();
-        let motion = self.setup.loads.motion.clone();
-        let tolerance = tolerance(self.options, &motion);
-        let mut stepper = self.stepper.clone();
-        stepper.levels = Some(vec![0; self.steps as usize]);
-        let mut output = self.setup.output.clone();
-        let (mut state, mut statistics) = (self.state(z), Statistics::new());
-        let control = self.control(self.tolerance());
-        let done = self.observer.done;
-        let mut watch = |_| (self.observer.heartbeat.watch)(done);
-        let mut observer = RunObserver {
-            recorder: Recorder::new(motion, self.plan, &times, origin, begin, tolerance),
-            heartbeat: Heartbeat::waiting(&mut watch),
-            start: begin,
-            end,
-        };
-        let outcome = integrate(&mut stepper, &mut output, control, &mut state, end, &mut observer, &mut statistics);
-        let (record, recorder_state) = observer.recorder.finish();
-        outcome.map_err(|halted| explain(self.cached, &halted, origin))?;
-        self.runs += count as usize;
-        self.levels = stepper.levels.take().unwrap_or_default().into();
-        let last = state.y.clone();
-        let state = in_physical_coordinates(state, &self.setup.linear, &self.setup.loads);
-        let response = Response {
-            record,
-            recorder_state,
-            last: self.options.last(&self.start.rotation, origin + begin + duration, state),
-            limited_by: limited_by(self.options, None, &statistics),
-            statistics,
-            spectrum: self.spectrum,
-            condition: Some(self.setup.linear.condition),
-            reduction: self.reduction,
-        };
-        Ok((response, last))
     }
 
     /// Integrates over one period.
@@ -460,6 +282,12 @@ impl PeriodMap<'_> {
     }
 }
 
+/// The stepper of a set-up on a time grid.
+fn stepper<'a>(cached: &RunModel<'_>, options: &Options, setup: &ModalSetup<'a>, time_grid: TimeGrid) -> Stepper<'a> {
+    let ModalSetup { linear, loads, maps, .. } = setup;
+    Stepper::new(loads.clone(), propagators(cached, options, linear, maps.clone(), time_grid, loads.spins()))
+}
+
 /// The eigenvalues of `all` that remain after each one of `kept` has taken the closest one; closest pairs come first.
 fn without_closest(all: Vec<Complex<f64>>, kept: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(all.len() * kept.len());
@@ -474,26 +302,4 @@ fn without_closest(all: Vec<Complex<f64>>, kept: &[Complex<f64>]) -> Vec<Complex
         }
     }
     all.into_iter().zip(taken).filter(|(_, taken)| !taken).map(|(value, _)| value).collect()
-}
-
-/// An observer that only asks whether to continue.
-struct PeriodObserver<'a> {
-    heartbeat: Heartbeat<'a>,
-    /// Completed part of the solution.
-    done: f64,
-}
-
-impl Observer for PeriodObserver<'_> {
-    fn next(&self) -> Option<f64> {
-        None
-    }
-
-    fn observe(&mut self, _motion: &mut impl Trajectory, _end: f64) -> Result<(), Halt> {
-        Ok(())
-    }
-
-    fn continues(&mut self, _elapsed: f64) -> bool {
-        let done = self.done;
-        self.heartbeat.continues(|| done)
-    }
 }
