@@ -15,7 +15,7 @@ use num_complex::Complex64;
 
 use super::instant::{Instant, InterfaceOptions, Tangent};
 use super::{Bounds, Coefficients, Row};
-use crate::scene::{LoadLaw, SceneError, outside_table};
+use crate::scene::{LoadLaw, SceneError, excluding, outside_table};
 
 /// A load that depends on time, angle or speed.
 #[derive(Clone, Debug)]
@@ -88,11 +88,9 @@ impl AppliedLoad {
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check(&self, speed: f64) -> Result<(), SceneError> {
         if let LoadLaw::SpeedTorque { curve, holds: false } = &self.law {
-            let (own, [first, last]) = ((self.ratio * speed).abs(), curve.range());
-            let slack = 1e-12 * last;
-            if own < first - slack || own > last + slack {
-                let message = outside_table([first, last], "the shaft", own);
-                return Err(SceneError::new(&self.path, message));
+            let own = (self.ratio * speed).abs();
+            if let Some(range) = excluding(curve.range(), own) {
+                return Err(SceneError::new(&self.path, outside_table(range, "the shaft", own)));
             }
         }
         Ok(())

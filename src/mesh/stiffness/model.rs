@@ -5,7 +5,7 @@ use super::{
     mean_of_pairs,
 };
 use crate::mesh::{ContactPath, Involute};
-use crate::scene::{Engagement, Foundation, Gear, Scale, StiffnessModel, Teeth};
+use crate::scene::{Foundation, Gear, Scale, StiffnessModel, Teeth};
 
 /// Number of knots of the compliance curve of a tooth.
 const COMPLIANCE_KNOTS: usize = 257;
@@ -73,8 +73,7 @@ fn potential_energy(
     // Contact points lie between the larger one of base circle and root circle, and the tip circle. A smooth
     // engagement adds half of its width. A margin of a fifth of the pitch follows, because a spline is least
     // accurate at its ends.
-    let half = if let Engagement::Smooth(width) = teeth.engagement { width / 2.0 } else { 0.0 };
-    let margin = (half + 0.2) * pitch;
+    let margin = (teeth.engagement.half_ramp(1.0) + 0.2) * pitch;
     let table = |gear: &Gear, bore: f64, compliance: fn(&Tooth, f64) -> f64| {
         let (from, to) = (gear.root_reach() - margin, gear.tip_reach() + margin);
         let tooth = Tooth::new(gear, bore);
