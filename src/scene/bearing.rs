@@ -6,8 +6,8 @@ use num_complex::Complex64;
 
 use super::place::Names;
 use super::{
-    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft, complex,
-    description, nonlinear,
+    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft,
+    SpringDamper, complex, description, nonlinear,
 };
 
 /// A bearing.
@@ -24,9 +24,9 @@ pub struct Bearing {
     /// Index of the housing that stands for its tilting pads, whose motions are coordinates.
     pub pads: Option<usize>,
     /// Stiffness, N/m, and damping, N s/m, along the axis.
-    pub axial: [f64; 2],
+    pub axial: SpringDamper,
     /// Stiffness, N m/rad, and damping, N m s/rad, of rotations about y and z.
-    pub tilting: [f64; 2],
+    pub tilting: SpringDamper,
     /// Loss factor η of the stiffness.
     pub loss_factor: f64,
     /// Distance of the centre of the bearing from its place in the drawing, y + iz, m: the displacement of the shaft at which the
@@ -82,18 +82,8 @@ pub(super) fn bearings(
             pads: None,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
-            axial: coefficients(
-                bearing.axial_stiffness,
-                bearing.axial_damping,
-                ["axial_stiffness", "axial_damping"],
-                &at,
-            )?,
-            tilting: coefficients(
-                bearing.tilting_stiffness,
-                bearing.tilting_damping,
-                ["tilting_stiffness", "tilting_damping"],
-                &at,
-            )?,
+            axial: SpringDamper::new("axial", bearing.axial_stiffness, bearing.axial_damping, &at)?,
+            tilting: SpringDamper::new("tilting", bearing.tilting_stiffness, bearing.tilting_damping, &at)?,
             loss_factor: loss_factor(bearing, &at)?,
             misalignment: misalignment(bearing, &at)?,
             attachment: attachments[index],
@@ -144,15 +134,4 @@ fn misalignment(given: &description::Bearing, at: &EntryPath) -> Result<Complex6
         return Err(place.error("is that of a linear bearing with constant stiffness and damping; remove it"));
     }
     Ok(found)
-}
-
-/// Stiffness and damping of a bearing in one direction; zero where the description gives none.
-fn coefficients(
-    stiffness: Option<f64>,
-    damping: Option<f64>,
-    names: [&str; 2],
-    at: &EntryPath,
-) -> Result<[f64; 2], SceneError> {
-    let read = |given: Option<f64>, name: &str| at.field(name).non_negative(given.unwrap_or(0.0));
-    Ok([read(stiffness, names[0])?, read(damping, names[1])?])
 }

@@ -54,8 +54,7 @@ pub use bow::{Bow, BowCurve};
 pub(crate) use catalogue::estimate;
 pub(crate) use contact::PairGeometry;
 pub use curve::Curve;
-pub use description::Rupture;
-pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};
+pub use description::{Foundation, MotionKind, Phase, Rupture, STEEL, STEEL_POISSON_RATIO, SceneDescription};
 pub use error::SceneError;
 pub use friction::{Friction, FrictionLaw};
 pub use gear::Gear;
@@ -71,11 +70,11 @@ pub use number::{outside_frequencies, outside_table, range_with_rpm, short, with
 pub use rigid::RIGID;
 pub use rolling::Rolling;
 pub use shaft::{Element, MAX_DEGREE, Shaft, Tube};
-pub use speed_table::{BearingCoefficient, Matrix2};
+pub use speed_table::{BearingCoefficient, Matrix2, excluding};
 pub use stiffness::{Scale, StiffnessModel};
-pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};
+pub use teeth::{Engagement, Relief, Teeth, TransmissionError};
 
-pub(crate) use error::{EntryPath, nearest};
+pub(crate) use error::{EntryPath, given, nearest};
 use place::Names;
 pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 
@@ -469,7 +468,7 @@ impl Scene {
     fn has_axial_motion(&self, requested: Option<MotionKind>) -> bool {
         let helical = self.meshes.iter().any(|mesh| self.gears[mesh.driver].helix_angle != 0.0);
         let loaded = self.forces.iter().any(|force| force.axial != 0.0);
-        let held = self.bearings.iter().any(|bearing| bearing.axial != [0.0; 2] || bearing.ring().is_some());
+        let held = self.bearings.iter().any(|bearing| !bearing.axial.is_zero() || bearing.ring().is_some());
         self.lateral && requested != Some(MotionKind::Lateral) && (helical || loaded || held)
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::description::{self, STEEL, SceneDescription, SleeveStiffness, SleeveStiffnessWord};
 use super::place::Names;
-use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
+use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError, given};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Largest degree of an element.
@@ -268,18 +268,11 @@ fn degree(given: &description::Shaft, at: &EntryPath) -> Result<usize, SceneErro
 
 /// The segments of a shaft. A uniform shaft is one segment.
 fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<description::Segment>, SceneError> {
-    let uniform = [
-        ("length", given.length.is_some()),
-        ("outer_diameter", given.outer_diameter.is_some()),
-        ("inner_diameter", given.inner_diameter.is_some()),
-        ("elements", given.elements.is_some()),
-    ];
     let list = at.field("segments");
     let segments = match &given.segments {
         Some(segments) => {
-            if let Some((name, _)) = uniform.iter().find(|(_, given)| *given) {
-                return Err(at.field(name).error("cannot be combined with segments; give it in the segments"));
-            }
+            let uniform = given![given; length, outer_diameter, inner_diameter, elements];
+            at.refuse(&uniform, "cannot be combined with segments; give it in the segments")?;
             if segments.is_empty() {
                 return Err(list.error("at least one segment is needed"));
             }

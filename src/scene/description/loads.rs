@@ -87,13 +87,8 @@ pub struct TorqueTable {
     /// Torque at each speed, N m.
     pub values: Vec<f64>,
     /// What holds for a speed of the shaft outside the table; an error by default.
-    #[serde(default, skip_serializing_if = "is_error")]
+    #[serde(default, skip_serializing_if = "super::is_default")]
     pub outside: Outside,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
-fn is_error(outside: &Outside) -> bool {
-    *outside == Outside::Error
 }
 
 /// Value of a force.

@@ -38,13 +38,8 @@ pub struct SpeedTable {
     /// One entry for each speed, or for each frequency of a table without speeds; all coefficients have the same form.
     pub values: Vec<TableValue>,
     /// What holds outside the speeds and frequencies; an error by default.
-    #[serde(default, skip_serializing_if = "is_error")]
+    #[serde(default, skip_serializing_if = "super::is_default")]
     pub outside: Outside,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
-fn is_error(outside: &Outside) -> bool {
-    *outside == Outside::Error
 }
 
 /// An entry of a table.

@@ -50,12 +50,13 @@ impl<'de> Deserialize<'de> for Stiffness {
 }
 
 /// Kind of a stiffness model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StiffnessKind {
     /// Constant mesh stiffness.
     Constant,
     /// ISO 6336-1.
+    #[default]
     Iso6336,
     /// Tooth pairs of constant stiffness.
     Square,
@@ -70,7 +71,7 @@ pub enum StiffnessKind {
 }
 
 /// A stiffness model: its kind and parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StiffnessModel {
     /// Kind of the model.
@@ -100,19 +101,7 @@ pub struct StiffnessModel {
 impl StiffnessModel {
     /// Creates a model without parameters.
     pub fn of(model: StiffnessKind) -> Self {
-        Self {
-            model,
-            mean: None,
-            pair: None,
-            end_ratio: None,
-            values: None,
-            amplitudes: None,
-            phases: None,
-            bore_radii: None,
-            foundation: None,
-            engagement: None,
-            phase: None,
-        }
+        Self { model, ..Self::default() }
     }
 }
 
@@ -140,9 +129,11 @@ pub enum Engagement {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
-    /// Rotation of the shafts, twist and motion of the gear centres.
+    /// Rotation of the shafts, twist and motion of the gear centres, with the force ½δ² ∂k/∂q that follows. Energy is
+    /// conserved: if the torques balance, damping of the vibration slows the rigid-body rotation.
     Twist,
-    /// Rotation of the shafts and motion of the gear centres.
+    /// Rotation of the shafts and motion of the gear centres. The stiffness is prescribed, and the drive that keeps the
+    /// speed does work through it.
     Prescribed,
 }
 
