@@ -42,7 +42,6 @@ pub use run_cache::System;
 
 use super::{AnalysisError, Spectrum};
 use crate::connection::Touch;
-use crate::exponential::InModes;
 use crate::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use crate::integrate::{
     Adaptive, Deferred, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl,
@@ -53,7 +52,6 @@ use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use heartbeat::Heartbeat;
 use initial::Start;
-use modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use record::Recorder;
 use run_cache::RunModel;
 
@@ -179,7 +177,7 @@ fn motion<'a>(
     start: &Start,
 ) -> Result<EquationOfMotion<'a>, AnalysisError> {
     let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
-    if plan.energy || !options.in_modes(&cached.model) {
+    if plan.energy || !options.is_exponential() {
         motion = motion.with_modal_damping(cached)?;
     }
     if options.method == Method::Exponential {
@@ -228,10 +226,11 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Integrates in displacements and velocities, or in modal coordinates.
+    /// Integrates in modal coordinates, or with a Runge–Kutta method in displacements and velocities, which do not need
+    /// modes that are not parallel.
     fn integrate<'m>(
         &self,
-        mut motion: EquationOfMotion<'m>,
+        motion: EquationOfMotion<'m>,
         start: &Start,
         plan: &RecordPlan,
         observer: &mut impl Observer,
@@ -241,43 +240,38 @@ impl Run<'_> {
         Self: 'm,
     {
         let Self { cached, options, .. } = *self;
-        let is_exponential = matches!(options.method, Method::Exponential | Method::ExactRk4);
-        if !options.in_modes(&cached.model) {
-            let mut state = start.state.clone();
-            let outcome = self.runge_kutta(&mut motion, &mut state, observer, statistics)?;
+        if !options.is_exponential() {
+            let (state, outcome) = self.runge_kutta(motion, start, observer, statistics)?;
             return Ok(Ended { state, condition: None, reduction: None, outcome });
         }
         let (setup, reduction) = reduced_setup::set_up(self, motion, start, plan, observer)?;
         let condition = Some(setup.linear.condition);
-        let is_parallel = setup.linear.is_parallel();
-        if is_parallel && options.method == Method::ExactRk4 {
+        if !setup.linear.is_parallel() {
+            let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
+            return Ok(Ended { state, condition, reduction, outcome });
+        }
+        if options.is_explicit() {
             let message = format!(
                 "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"rk45\"",
                 setup.linear.condition
             );
             return Err(SceneError::new("method", message).into());
         }
-        if is_exponential && !is_parallel {
-            let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
-            return Ok(Ended { state, condition, reduction, outcome });
-        }
-        let ModalSetup { linear, loads, maps, output } = setup;
-        let mut state = in_modal_coordinates(cached, &linear, &loads, start);
-        let mut system = InModes::new(loads, &linear, maps, output);
-        let outcome = self.runge_kutta(&mut system, &mut state, observer, statistics)?;
-        Ok(Ended { state: in_physical_coordinates(state, &linear, system.loads()), condition, reduction, outcome })
+        let motion = self::motion(cached, options, plan, start)?.with_modal_damping(cached)?;
+        let (state, outcome) = self.runge_kutta(motion, start, observer, statistics)?;
+        Ok(Ended { state, condition, reduction: None, outcome })
     }
 
     /// Integrates with a Runge–Kutta method.
     fn runge_kutta(
         &self,
-        system: &mut impl FirstOrderSystem,
-        state: &mut State,
+        mut motion: EquationOfMotion<'_>,
+        start: &Start,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
-    ) -> Result<Result<(), Halted>, AnalysisError> {
+    ) -> Result<(State, Result<(), Halted>), AnalysisError> {
         let Self { cached, options, spectrum, floor, end, .. } = *self;
-        let len = system.len();
+        let mut state = start.state.clone();
         if options.method == Method::Rk4 {
             let step = fixed_step(cached, options, spectrum)?;
             let begun = state.count as f64 * step;
@@ -286,14 +280,16 @@ impl Run<'_> {
                     format!("stands within no step of {step:e} s: the system has changed; give the step of that run");
                 return Err(SceneError::new("initial", message).into());
             }
+            let mut method = RungeKutta::new(RK4, motion.len());
             let control = StepControl::Fixed(step);
-            let mut method = RungeKutta::new(RK4, len);
-            return Ok(run(system, &mut method, &control, state, end, observer, statistics));
+            let outcome = run(&mut motion, &mut method, &control, &mut state, end, observer, statistics);
+            return Ok((state, outcome));
         }
         let longest = spectrum.longest_step(&DORMAND_PRINCE).min(options.duration.max(f64::MIN_POSITIVE));
         let control = StepControl::Adaptive(Adaptive { rtol: options.tolerance(), floor, longest });
-        let mut method = RungeKutta::new(DORMAND_PRINCE, len);
-        Ok(run(system, &mut method, &control, state, end, observer, statistics))
+        let mut method = RungeKutta::new(DORMAND_PRINCE, motion.len());
+        let outcome = run(&mut motion, &mut method, &control, &mut state, end, observer, statistics);
+        Ok((state, outcome))
     }
 }
 

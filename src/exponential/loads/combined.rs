@@ -190,7 +190,6 @@ impl<'m> Loads<'m> {
     pub fn load(
         &self,
         elapsed: f64,
-        phasors: &[Complex64],
         u: &[f64],
         loads: &mut [f64],
         contacts: &mut [Contact],
@@ -213,7 +212,7 @@ impl<'m> Loads<'m> {
             from += self.changing_counts.loads;
         }
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
-            *load = prescribed.value(phasors);
+            *load = prescribed.value(self.motion.sources(), elapsed);
         }
         Ok(())
     }
@@ -311,9 +310,8 @@ impl<'m> Loads<'m> {
     /// Displacements and velocities of the reference plus the synchronous motion.
     pub fn reference_motion(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
         let (mut q, mut v) = (self.reference.clone(), DVector::zeros(self.reference.len()));
-        let mut phasors = vec![Complex64::ZERO; self.motion.sources().len()];
-        self.phasors(elapsed, &mut phasors);
-        for (index, (source, phasor)) in self.motion.sources().iter().zip(&phasors).enumerate() {
+        for (index, source) in self.motion.sources().iter().enumerate() {
+            let phasor = source.phasor(elapsed, None);
             for (i, amplitude) in self.amplitudes.column(index).iter().enumerate() {
                 let rotated = amplitude * phasor;
                 q[i] += rotated.re;

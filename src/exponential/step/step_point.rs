@@ -46,7 +46,7 @@ impl StepPoint {
         self.mesh_energy = context.mesh_energy(&self.interface_state);
         phasors.update(loads, elapsed);
         loads.add_synchronous(&phasors.values, &mut self.interface_state);
-        loads.load(elapsed, &phasors.values, &self.interface_state, &mut self.load, &mut self.contacts, None)?;
+        loads.load(elapsed, &self.interface_state, &mut self.load, &mut self.contacts, None)?;
         statistics.evaluations += 1;
         Ok(())
     }

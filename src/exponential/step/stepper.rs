@@ -269,9 +269,7 @@ impl<'m> Stepper<'m> {
         interface_state: &[f64],
         out: &mut [f64],
     ) -> Result<(), Halt> {
-        let loads = &self.context.loads;
-        self.phasors.update(loads, elapsed);
-        loads.load(elapsed, &self.phasors.values, interface_state, out, &mut self.contacts, None)
+        self.context.loads.load(elapsed, interface_state, out, &mut self.contacts, None)
     }
 
     /// Energy norm of the rate of the state under the load defect at an instant of the last step, where its motion is
