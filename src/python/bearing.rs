@@ -1,4 +1,4 @@
-//! Coefficients of one journal bearing or rolling bearing.
+//! Parts on their own: coefficients of one journal bearing or rolling bearing, geometry of the meshes of a description.
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -10,9 +10,12 @@ use super::errors::caught;
 use crate::analysis::AnalysisError;
 use crate::bearing_force::{BearingForce, Uncarried};
 use crate::film::{Film, PadFilm, TiltingPads, pad_films};
+use crate::mesh::Involute;
 use crate::rolling::{Ring, RollingElements};
 use crate::scene::description::{BearingCoefficient, Support};
-use crate::scene::{self, EntryPath, Nonlinear, SceneDescription, SceneError, Squeeze, outside_frequencies};
+use crate::scene::{
+    self, EntryPath, Gear, Nonlinear, Scene, SceneDescription, SceneError, Squeeze, outside_frequencies,
+};
 
 /// Gives the coefficient of a table at a frequency, rad/s, in plain form: a table over the speed, or a matrix.
 #[pyfunction]
@@ -208,4 +211,28 @@ fn uncarried(cause: Uncarried, load: [f64; 2], speed: Option<f64>) -> AnalysisEr
         Uncarried::Touching => SceneError::new("load", format!("the journal touches the bearing at {load}; raise the speed, the viscosity or the length, or reduce the clearance or the load")).into(),
         Uncarried::Unbalanced(part) => AnalysisError::Convergence(format!("load: no displacement found at which the bearing carries {load}: {part:.1e} of the load is unbalanced")),
     }
+}
+
+/// Gives the geometry of each mesh at rest: centre distance, m, operating pressure angle, rad, and base, tip and root radii
+/// of driver and driven gear, m, negative for an internal gear.
+#[pyfunction]
+pub fn mesh_geometry<'py>(py: Python<'py>, description: &Bound<'_, PyAny>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let description = SceneDescription::from_objects(&mut Depythonizer::from_object(description))?;
+    let Scene { gears, meshes, .. } = Scene::new(&description)?;
+    let geometry = |mesh| {
+        let involute = Involute::new(mesh, &gears);
+        let pair = [mesh.driver, mesh.driven].map(|gear| &gears[gear]);
+        let entry = PyDict::new(py);
+        entry.set_item("centre_distance", mesh.centre_distance)?;
+        let signed = |of: fn(&Gear) -> f64| {
+            let [a, b] = pair.map(|gear| gear.sign() * of(gear));
+            (a, b)
+        };
+        entry.set_item("pressure_angle", (involute.base_circles().abs() / mesh.centre_distance).acos())?;
+        entry.set_item("base_radii", signed(|gear| gear.base_radius))?;
+        entry.set_item("tip_radii", signed(|gear| gear.tip_radius))?;
+        entry.set_item("root_radii", signed(Gear::root_radius))?;
+        Ok(entry)
+    };
+    meshes.iter().map(geometry).collect()
 }

@@ -1,7 +1,7 @@
 //! The Python extension module `gearbow._core`. Only this folder uses pyo3.
 //!
 //! `handle` is the class `Model`; its Python methods stand in `model`, `frequency`, `sensitivity`, `sections` and `simulate`. The
-//! functions of the module stand in `steady`, `bearing` and `gears`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
+//! functions of the module stand in `steady` and `bearing`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
 //! and for the end of the sweep to which it belongs. Options, speeds, final states and responses are serde structs
 //! (`options`, `speed`, `state`, `response`); `entries` reads them with errors that name the entry. `convert` makes plain
 //! descriptions and NumPy arrays, `errors` exceptions and warnings.
@@ -14,7 +14,6 @@ mod convert;
 mod entries;
 mod errors;
 mod frequency;
-mod gears;
 mod handle;
 mod model;
 mod options;
@@ -39,14 +38,13 @@ mod _core {
     use super::background::panic_in_analysis;
     #[pymodule_export]
     use super::bearing::{
-        film_coefficients, ring_coefficients, rolling_coefficients, rolling_estimate, squeeze_force, table_at_frequency,
+        film_coefficients, mesh_geometry, ring_coefficients, rolling_coefficients, rolling_estimate, squeeze_force,
+        table_at_frequency,
     };
     #[pymodule_export]
     use super::convert::{connection_channels, require_memory};
     #[pymodule_export]
     use super::frequency::whirl_classes;
-    #[pymodule_export]
-    use super::gears::mesh_geometry;
     #[pymodule_export]
     use super::handle::PyModel;
     #[pymodule_export]

@@ -6,8 +6,8 @@ use num_complex::Complex64;
 
 use super::place::Names;
 use super::{
-    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft,
-    SpringDamper, complex, description, nonlinear,
+    Attachment, BearingCoefficient, EntryPath, Journal, Matrix2, Node, Rolling, SceneDescription, SceneError, Shaft,
+    SpringDamper, complex, description,
 };
 
 /// A bearing.
@@ -78,7 +78,7 @@ pub(super) fn bearings(
         check_ratings(bearing, &at)?;
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            nonlinear: nonlinear::nonlinear(bearing, &at)?,
+            nonlinear: nonlinear(bearing, &at)?,
             pads: None,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
@@ -134,4 +134,38 @@ fn misalignment(given: &description::Bearing, at: &EntryPath) -> Result<Complex6
         return Err(place.error("is that of a linear bearing with constant stiffness and damping; remove it"));
     }
     Ok(found)
+}
+
+/// A bearing whose force is a nonlinear function of the motion.
+#[derive(Clone, Debug)]
+pub enum Nonlinear {
+    /// An oil film.
+    Journal(Journal),
+    /// Rolling elements.
+    Rolling(Rolling),
+}
+
+/// Checks a nonlinear bearing outside a scene; gives its law and its damping over (y, z), N s/m. Errors begin with `bearing`.
+///
+/// # Errors
+/// [`SceneError`] as for the bearing of a scene, or for a linear bearing.
+pub fn bearing(given: &description::Bearing) -> Result<(Nonlinear, Matrix2), SceneError> {
+    let at = EntryPath::root("bearing");
+    let law = nonlinear(given, &at)?.ok_or_else(|| at.error("is a linear bearing"))?;
+    let damping = BearingCoefficient::new(given.damping.as_ref(), &at.field("damping"))?;
+    Ok((law, damping.constant().unwrap_or_default()))
+}
+
+/// The nonlinear law of a bearing; none for a linear one.
+pub(super) fn nonlinear(given: &description::Bearing, at: &EntryPath) -> Result<Option<Nonlinear>, SceneError> {
+    match Rolling::new(given, at)? {
+        Some(rolling) => {
+            if let Some(description::BearingCoefficient::Table(_)) = given.damping {
+                let message = "a rolling bearing takes no table; give a number, a pair or a 2x2 matrix";
+                return Err(at.field("damping").error(message));
+            }
+            Ok(Some(Nonlinear::Rolling(rolling)))
+        }
+        None => Ok(Journal::new(given, at)?.map(Nonlinear::Journal)),
+    }
 }

@@ -13,7 +13,6 @@
 
 mod curve;
 mod engagement;
-mod iso6336;
 mod lines;
 mod loads;
 mod model;
@@ -23,9 +22,8 @@ mod shared;
 
 pub use curve::{PeriodicCurve, UniformCurve};
 pub(super) use engagement::smooth_step;
-pub use iso6336::{Iso6336, iso6336};
 pub use lines::ContactLines;
-pub use model::build;
+pub use model::{Iso6336, build, iso6336};
 pub use pair::ToothPair;
 pub use potential_energy::{CONTACT_COMPLIANCE, Tooth};
 pub use shared::Shared;

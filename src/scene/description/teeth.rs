@@ -1,10 +1,10 @@
 //! Description of the teeth of a mesh: stiffness, engagement, tip relief and transmission error.
 
-use std::fmt;
-
+use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+
+use super::reading::{NumberOrEntries, number_or_entries};
 
 /// Stiffness of a mesh: a number or a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -16,36 +16,21 @@ pub enum Stiffness {
     Model(StiffnessModel),
 }
 
-/// A derived implementation would not name the field of an error inside a model.
 impl<'de> Deserialize<'de> for Stiffness {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        struct Reader;
+        number_or_entries(source)
+    }
+}
 
-        impl<'de> Visitor<'de> for Reader {
-            type Value = Stiffness;
+impl NumberOrEntries for Stiffness {
+    const EXPECTED: &'static str = "a number [N/m] or a stiffness model";
 
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a number [N/m] or a stiffness model")
-            }
+    fn number(value: f64) -> Self {
+        Self::Mean(value)
+    }
 
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Stiffness, E> {
-                Ok(Stiffness::Mean(value))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Stiffness, E> {
-                Ok(Stiffness::Mean(value as f64))
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Stiffness, E> {
-                Ok(Stiffness::Mean(value as f64))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Stiffness, A::Error> {
-                StiffnessModel::deserialize(MapAccessDeserializer::new(map)).map(Stiffness::Model)
-            }
-        }
-
-        source.deserialize_any(Reader)
+    fn entries<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        StiffnessModel::deserialize(MapAccessDeserializer::new(map)).map(Self::Model)
     }
 }
 
@@ -150,17 +135,21 @@ pub struct TipRelief {
 }
 
 /// Unloaded transmission error. Harmonic k of a list is `[amplitude, phase]` of order k + 1, in m and rad.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TransmissionError {
     /// Harmonics of the mesh frequency.
-    pub tooth: Option<Vec<[f64; 2]>>,
+    #[serde(default, skip_serializing_if = "super::is_default")]
+    pub tooth: Vec<[f64; 2]>,
     /// Harmonics of the rotation of the driver shaft.
-    pub driver: Option<Vec<[f64; 2]>>,
+    #[serde(default, skip_serializing_if = "super::is_default")]
+    pub driver: Vec<[f64; 2]>,
     /// Harmonics of the rotation of the driven shaft.
-    pub driven: Option<Vec<[f64; 2]>>,
+    #[serde(default, skip_serializing_if = "super::is_default")]
+    pub driven: Vec<[f64; 2]>,
     /// Values at equal intervals of the mesh cycle, m.
-    pub table: Option<Vec<f64>>,
+    #[serde(default, skip_serializing_if = "super::is_default")]
+    pub table: Vec<f64>,
 }
 
 /// Friction between the flanks of a mesh.
