@@ -8,9 +8,9 @@ use super::{EntryPath, SceneError, given};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Ratios L/D for which the grid of the finite film is made; its errors were measured within them.
-const LENGTH_RATIOS: [f64; 2] = [0.1, 2.0];
+const LENGTH_RATIOS: RangeInclusive<f64> = 0.1..=2.0;
 /// Extents of a pad for which the grid is made, rad, or 2π.
-const EXTENTS: [f64; 2] = [0.1, 6.2];
+const EXTENTS: RangeInclusive<f64> = 0.1..=6.2;
 /// Extent of the axial grooves between the pads of a profile, rad.
 const GROOVE: f64 = TAU / 18.0;
 /// Numbers of tilting pads that hold a shaft.
@@ -209,10 +209,10 @@ fn film(given: &description::Bearing, at: &EntryPath) -> Result<FilmKind, SceneE
 }
 
 fn check_length(ratio: f64, at: &EntryPath) -> Result<(), SceneError> {
-    let [least, most] = LENGTH_RATIOS;
-    if (least..=most).contains(&ratio) {
+    if LENGTH_RATIOS.contains(&ratio) {
         return Ok(());
     }
+    let (least, most) = LENGTH_RATIOS.into_inner();
     Err(at.error(format!(
         "length / diameter of a finite film must be between {least} and {most}, got {ratio}; a shorter film is film=\"short\""
     )))
@@ -257,8 +257,9 @@ fn tilting_pads(
     }
     let sector = TAU / f64::from(count);
     let extent = at.field("pad_extent").positive(given.pad_extent.unwrap_or(PAD_SHARE * sector))?;
-    if !(EXTENTS[0]..sector).contains(&extent) {
-        let message = format!("must be between {} and {sector:.4} rad, got {extent}; is it in degrees?", EXTENTS[0]);
+    if !(*EXTENTS.start()..sector).contains(&extent) {
+        let least = EXTENTS.start();
+        let message = format!("must be between {least} and {sector:.4} rad, got {extent}; is it in degrees?");
         return Err(at.field("pad_extent").error(message));
     }
     let preload = preload(given.preload, LOBE_PRELOAD, at)?;
@@ -341,14 +342,14 @@ fn given_pads(given: &[description::Pad], length: f64, clearance: f64, at: &Entr
     let pad = |(index, pad): (usize, &description::Pad)| {
         let at = at.index(index);
         let extent = at.field("extent").positive(pad.extent)?;
-        let [least, most] = EXTENTS;
-        if !(least..=most).contains(&extent) && (extent - TAU).abs() > EQUALITY_TOLERANCE {
+        if !EXTENTS.contains(&extent) && (extent - TAU).abs() > EQUALITY_TOLERANCE {
+            let (least, most) = EXTENTS.into_inner();
             let message = format!("must be between {least} and {most} rad, or 2 pi, got {extent}; is it in degrees?");
             return Err(at.field("extent").error(message));
         }
         Ok(Pad {
             begin: at.field("begin").finite(pad.begin)?,
-            extent: if extent > most { TAU } else { extent },
+            extent: if extent > *EXTENTS.end() { TAU } else { extent },
             length: at.field("length").positive(pad.length.unwrap_or(length))?,
             clearance: at.field("clearance").positive(pad.clearance.unwrap_or(clearance))?,
             preload: preload(pad.preload, 0.0, &at)?,
@@ -381,7 +382,7 @@ fn check_grooves(grooves: &[[f64; 2]], at: &EntryPath) -> Result<(), SceneError>
         let next = order[(place + 1) % order.len()];
         let turn = if place + 1 == order.len() { TAU } else { 0.0 };
         let pad = begin(next) + turn - begin(*index) - grooves[*index][1];
-        let [least, _] = EXTENTS;
+        let least = *EXTENTS.start();
         if pad < least {
             let message = format!(
                 "leaves a pad of {pad:.4} rad to grooves[{next}], at least {least} is needed; give (angle of the middle, extent) of each groove in radians"

@@ -11,10 +11,10 @@ use nalgebra::Complex;
 
 use super::exponential::{countable_grid, propagators};
 use super::initial::{Start, start};
-use super::known_reduction::Reduction;
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::options::is_large;
 use super::record::Recorder;
+use super::reduction::Reduction;
 use super::run_cache::RunModel;
 use super::{
     Heartbeat, Options, RecordPlan, Response, Run, RunObserver, System, explain, foreign_contact_modes, limited_by,
