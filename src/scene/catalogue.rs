@@ -15,6 +15,8 @@
 //! roller bearing of its chapters 2 and 7 and the bearings that `tests/python/bearings/test_catalogue.py` lists; those of
 //! tapered rollers and needle cages are usual proportions.
 
+use serde::Serialize;
+
 use super::description::{Bearing, BearingKind, ContactKind};
 use super::{EntryPath, SceneError};
 
@@ -108,12 +110,16 @@ struct Known {
 }
 
 /// Elements that a kind and boundary dimensions have in the estimate.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Estimate {
     /// Kind of the bearing.
     pub kind: BearingKind,
-    /// Bore d, outside diameter D and width B, m.
-    pub boundary: [f64; 3],
+    /// Bore d, m.
+    pub bore: f64,
+    /// Outside diameter D, m.
+    pub outer: f64,
+    /// Width B, m.
+    pub width: f64,
     /// Number of elements.
     pub elements: u32,
     /// Diameter of an element, m.
@@ -251,7 +257,9 @@ fn elements_of(known: &Known) -> Estimate {
     };
     Estimate {
         kind: known.kind,
-        boundary: known.boundary,
+        bore,
+        outer,
+        width,
         elements: count as u32,
         element_diameter: diameter,
         pitch_diameter: pitch,

@@ -5,8 +5,7 @@
 
 use super::context::{StepContext, StepSpan};
 use super::small_lu::{SmallLu, StageUnknowns};
-use super::stages::Stages;
-use super::step_point::StepPoint;
+use super::stages::{Stages, StepPoint};
 use super::tangent_solver::TangentSolver;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{PropagatorCache, panel_kernel};
