@@ -30,9 +30,9 @@ pub struct Loads<'m> {
     /// Interfaces of all connections.
     interfaces: Vec<Interface>,
     /// Number of interface scalars of all connections.
-    scalars: usize,
+    pub scalars: usize,
     /// Whether the interface state also contains the rates of the scalars.
-    has_rates: bool,
+    pub has_rates: bool,
     /// Complex synchronous amplitudes of all displacements, m or rad, one column for each source.
     amplitudes: DMatrix<Complex<f64>>,
     /// Complex synchronous amplitudes of the scalars and rates, source after source.
@@ -127,16 +127,6 @@ impl<'m> Loads<'m> {
     /// changing speed.
     pub fn coupled_load_count(&self) -> usize {
         self.scalars + self.changing_counts.coupled_loads
-    }
-
-    /// Number of interface scalars of the connections.
-    pub fn scalars(&self) -> usize {
-        self.scalars
-    }
-
-    /// Whether the interface state also contains the rates of the scalars.
-    pub fn has_rates(&self) -> bool {
-        self.has_rates
     }
 
     /// Angular velocities of the sources, rad/s.
