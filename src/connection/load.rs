@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use super::instant::{Instant, InterfaceOptions, Tangent};
-use super::{Bounds, Coefficients, Row};
+use super::{Bounds, Coefficients, Row, along_row};
 use crate::scene::{LoadLaw, SceneError, excluding, outside_table};
 
 /// A load that depends on time, angle or speed.
@@ -99,7 +99,7 @@ impl AppliedLoad {
     /// Rate of the first scalar for velocities v.
     #[inline]
     pub fn rate(&self, v: &[f64]) -> f64 {
-        self.rows[0].iter().map(|(index, coefficient)| coefficient * v[*index]).sum()
+        along_row(&self.rows[0], v)
     }
 
     /// Adds the load to the generalised forces.
@@ -112,8 +112,7 @@ impl AppliedLoad {
 
     /// Power of the load, W.
     pub fn power(&self, instant: &Instant, v: &[f64]) -> f64 {
-        let rate = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * v[*index]).sum::<f64>();
-        self.rows.iter().zip(self.value(instant, self.rate(v))).map(|(row, value)| value * rate(row)).sum()
+        self.rows.iter().zip(self.value(instant, self.rate(v))).map(|(row, value)| value * along_row(row, v)).sum()
     }
 }
 

@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use super::instant::{Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
-use super::{Bounds, Coefficients, Row};
+use super::{Bounds, Coefficients, Row, along_row};
 use crate::bearing_force::{BearingForce, Matrix, Uncarried, Vector};
 use crate::film::{Film, TiltingPads};
 use crate::mesh::ShaftPhase;
@@ -332,13 +332,12 @@ impl NonlinearBearing {
     /// The scalars for displacements, or their rates for velocities.
     #[inline]
     pub fn scalars<const N: usize>(&self, q: &[f64]) -> [f64; N] {
-        std::array::from_fn(|i| self.rows[i].iter().map(|(index, coefficient)| coefficient * q[*index]).sum())
+        std::array::from_fn(|i| along_row(&self.rows[i], q))
     }
 
     /// The scalars for displacements as a vector.
     pub fn scalar_vector(&self, q: &[f64]) -> DVector<f64> {
-        let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum();
-        DVector::from_iterator(self.rows.len(), self.rows.iter().map(scalar))
+        DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| along_row(row, q)))
     }
 
     /// The coefficients of a search that starts: its initial stiffness along every scalar.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::varying_loads::{VaryingLoad, varying_loads};
-use crate::connection::{Connection, Row};
+use crate::connection::{Connection, Row, along_row};
 use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::{CachedModel, RealModes};
@@ -165,8 +165,7 @@ fn of_release(model: &Model, load: &[f64], elastic: &[(f64, &[f64])]) -> Vec<Sig
 /// The mesh forces, and the lateral displacements and twists of gears and disks, that a load over time causes.
 fn of_varying_load(model: &Model, load: &VaryingLoad<'_>, elastic: &[(f64, &[f64])]) -> Vec<Signal> {
     let amplitude = |(w, shape): &(f64, &[f64])| {
-        let force: f64 = load.entries.iter().map(|(index, coefficient)| coefficient * shape[*index]).sum();
-        force * load.amplitude(*w, damping(model, *w, shape)) / (w * w)
+        along_row(&load.entries, shape) * load.amplitude(*w, damping(model, *w, shape)) / (w * w)
     };
     let amplitudes: Vec<f64> = elastic.iter().map(amplitude).collect();
     let each = |scalar: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
