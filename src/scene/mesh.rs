@@ -224,7 +224,7 @@ fn carrier(
             gear.body.name
         )));
     }
-    if given.error.as_ref().is_some_and(|error| !error.driver.is_empty() || !error.driven.is_empty()) {
+    if given.error.as_ref().is_some_and(|error| error.driver.is_some() || error.driven.is_some()) {
         return Err(at.error(
             "a mesh with a carrier that turns has no error per revolution of a shaft; give error.tooth or error.table",
         ));

@@ -52,9 +52,7 @@ pub use bow::{Bow, BowCurve};
 pub(crate) use catalogue::estimate;
 pub(crate) use contact::PairGeometry;
 pub use curve::Curve;
-pub use description::{
-    Foundation, MotionKind, Phase, Rupture, STEEL, STEEL_POISSON_RATIO, SceneDescription, TransmissionError,
-};
+pub use description::{Foundation, MotionKind, Phase, Rupture, STEEL, STEEL_POISSON_RATIO, SceneDescription};
 pub use error::SceneError;
 pub use friction::{Friction, FrictionLaw};
 pub use gear::Gear;
@@ -70,7 +68,7 @@ pub use rolling::Rolling;
 pub use shaft::{Element, MAX_DEGREE, Material, Shaft, Tube};
 pub use speed_table::{BearingCoefficient, Matrix2, excluding};
 pub use stiffness::{Scale, StiffnessModel};
-pub use teeth::{Engagement, Relief, Teeth};
+pub use teeth::{Engagement, Relief, Teeth, TransmissionError};
 
 pub(crate) use error::{EntryPath, given, nearest};
 use place::Names;

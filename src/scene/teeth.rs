@@ -1,6 +1,6 @@
 //! Checks how the teeth of a mesh are described: engagement, tip relief, backlash and transmission error.
 
-use super::description::{self, Foundation, Phase, StiffnessKind, TransmissionError};
+use super::description::{self, Foundation, Phase, StiffnessKind};
 use super::friction::{self, Friction};
 use super::stiffness::{StiffnessModel, stiffness_model};
 use super::{EntryPath, Gear, SceneError};
@@ -23,6 +23,19 @@ pub struct Relief {
     pub length: f64,
     /// Exponent of the relief curve: 1 is linear, 2 is parabolic.
     pub exponent: i32,
+}
+
+/// Unloaded transmission error. Harmonic k of a list is `[amplitude, phase]` of order k + 1, in m and rad.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TransmissionError {
+    /// Harmonics of the mesh frequency.
+    pub tooth: Vec<[f64; 2]>,
+    /// Harmonics of the rotation of the driver shaft.
+    pub driver: Vec<[f64; 2]>,
+    /// Harmonics of the rotation of the driven shaft.
+    pub driven: Vec<[f64; 2]>,
+    /// Values at equal intervals of the mesh cycle, m; may be empty.
+    pub table: Vec<f64>,
 }
 
 /// The checked teeth of a mesh.
@@ -132,19 +145,27 @@ fn relief(given: &description::TipRelief, pairs: bool, at: &EntryPath) -> Result
     Ok(Relief { amount, length: at.field("length").positive(given.length)?, exponent })
 }
 
-fn transmission_error(given: &TransmissionError, at: &EntryPath) -> Result<TransmissionError, SceneError> {
-    if !given.table.is_empty() && given.table.len() < 3 {
-        return Err(at.field("table").error(format!("at least three values are needed, got {}", given.table.len())));
-    }
-    for (index, value) in given.table.iter().enumerate() {
-        at.field("table").index(index).finite(*value)?;
-    }
-    for (name, harmonics) in [("tooth", &given.tooth), ("driver", &given.driver), ("driven", &given.driven)] {
-        for (index, harmonic) in harmonics.iter().enumerate() {
+fn transmission_error(given: &description::TransmissionError, at: &EntryPath) -> Result<TransmissionError, SceneError> {
+    let harmonics = |list: &Option<Vec<[f64; 2]>>, name: &str| {
+        let list = list.clone().unwrap_or_default();
+        for (index, harmonic) in list.iter().enumerate() {
             for (part, value) in harmonic.iter().enumerate() {
                 at.field(name).index(index).index(part).finite(*value)?;
             }
         }
+        Ok::<_, SceneError>(list)
+    };
+    let table = given.table.clone().unwrap_or_default();
+    if !table.is_empty() && table.len() < 3 {
+        return Err(at.field("table").error(format!("at least three values are needed, got {}", table.len())));
     }
-    Ok(given.clone())
+    for (index, value) in table.iter().enumerate() {
+        at.field("table").index(index).finite(*value)?;
+    }
+    Ok(TransmissionError {
+        tooth: harmonics(&given.tooth, "tooth")?,
+        driver: harmonics(&given.driver, "driver")?,
+        driven: harmonics(&given.driven, "driven")?,
+        table,
+    })
 }

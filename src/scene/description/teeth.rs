@@ -135,21 +135,17 @@ pub struct TipRelief {
 }
 
 /// Unloaded transmission error. Harmonic k of a list is `[amplitude, phase]` of order k + 1, in m and rad.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TransmissionError {
     /// Harmonics of the mesh frequency.
-    #[serde(default, skip_serializing_if = "super::is_default")]
-    pub tooth: Vec<[f64; 2]>,
+    pub tooth: Option<Vec<[f64; 2]>>,
     /// Harmonics of the rotation of the driver shaft.
-    #[serde(default, skip_serializing_if = "super::is_default")]
-    pub driver: Vec<[f64; 2]>,
+    pub driver: Option<Vec<[f64; 2]>>,
     /// Harmonics of the rotation of the driven shaft.
-    #[serde(default, skip_serializing_if = "super::is_default")]
-    pub driven: Vec<[f64; 2]>,
+    pub driven: Option<Vec<[f64; 2]>>,
     /// Values at equal intervals of the mesh cycle, m.
-    #[serde(default, skip_serializing_if = "super::is_default")]
-    pub table: Vec<f64>,
+    pub table: Option<Vec<f64>>,
 }
 
 /// Friction between the flanks of a mesh.
