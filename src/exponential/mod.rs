@@ -28,6 +28,6 @@ mod within_step;
 
 pub use loads::{Loads, SpeedChange, is_resonant};
 pub use propagator::{InterfaceMaps, MAX_STAGES, PropagatorCache, PropagatorKey, QuadratureRule, TimeGrid, phi};
-pub use run::{LevelControl, STAGE_SOLVE_RTOL, run};
+pub use run::{InModes, LevelControl, STAGE_SOLVE_RTOL, run};
 pub use step::Stepper;
 pub use within_step::{INSTANT_BATCH, MAX_WAITING, OutputMap, Selection};

@@ -6,7 +6,6 @@
 
 use super::controller::MIN_STEP_FRACTION;
 use super::event_locator::{ChangeLocation, MAX_CHANGES_AT_ONE_TIME, RungeKuttaEventLocator};
-use super::system::SystemTrajectory;
 use super::{
     Adaptive, FirstOrderSystem, Halt, MethodState, Observer, RungeKutta, Span, State, Statistics, StepControl, StepEnd,
     StepInterval,
@@ -73,7 +72,7 @@ fn take_steps<const S: usize>(
     statistics: &mut Statistics,
 ) -> Result<(), Halt> {
     let mut locator = RungeKuttaEventLocator::new(system, state)?;
-    observer.switched(state.elapsed, &mut |q, v| read(&state.y, q, v), &state.contact_modes);
+    observer.switched(state.elapsed, &mut |q, v| system.physical(state.elapsed, &state.y, q, v), &state.contact_modes);
     method.begin(system, state.elapsed, &state.y)?;
     statistics.begin(1);
     let (mut checks, mut changes_at_this_time) = (0, 0);
@@ -111,7 +110,7 @@ fn take_steps<const S: usize>(
         }
         changes_at_this_time = 0;
         if observer.sees_every_step() || observer.next().is_some_and(|next| next <= accepted.end.elapsed) {
-            let mut trajectory = SystemTrajectory { system, span: span(method, state, accepted.step) };
+            let mut trajectory = system.trajectory(span(method, state, accepted.step));
             observer.observe(&mut trajectory, accepted.end.elapsed)?;
         }
         if accepted.end.elapsed > end {
@@ -180,17 +179,11 @@ fn adopt<const S: usize>(
     state.contact_modes.clear();
     state.contact_modes.extend_from_slice(new_contact_modes);
     system.set_contact_modes(new_contact_modes);
-    observer.switched(state.elapsed, &mut |q, v| read(&state.y, q, v), new_contact_modes);
+    let mut read = |q: &mut [f64], v: &mut [f64]| system.physical(state.elapsed, &state.y, q, v);
+    observer.switched(state.elapsed, &mut read, new_contact_modes);
     statistics.evaluations += 1;
     statistics.events += 1;
     method.begin(system, state.elapsed, &state.y)
-}
-
-/// Copies the displacements and velocities of a state.
-fn read(y: &[f64], q: &mut [f64], v: &mut [f64]) {
-    let (displacements, velocities) = y.split_at(y.len() / 2);
-    q.copy_from_slice(displacements);
-    v.copy_from_slice(velocities);
 }
 
 /// Elapsed time after a step and its compensation, s (compensated summation).

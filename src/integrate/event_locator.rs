@@ -88,9 +88,7 @@ impl RungeKuttaEventLocator {
         part: f64,
     ) -> Result<bool, Halt> {
         let elapsed = if part < 1.0 { span.start + part * span.step } else { span.start + span.step };
-        // Contact modes depend on these coordinates only.
-        let switching = system.switching().unwrap_or_default().iter().copied();
-        span.write_state(&span.weights(elapsed), switching, &mut self.interpolated);
+        system.within(span, elapsed, &mut self.interpolated);
         system.contact_modes_at(elapsed, &self.interpolated, &mut self.new_contact_modes)?;
         Ok(self.new_contact_modes != state.contact_modes)
     }

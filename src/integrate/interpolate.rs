@@ -162,6 +162,22 @@ impl Span<'_> {
         }
     }
 
+    /// Weights at `elapsed` of the cubic Hermite polynomial: for state and derivative at the beginning, then at the end.
+    pub fn cubic(&self, elapsed: f64) -> [f64; 4] {
+        let (h, s) = (self.step, (elapsed - self.start) / self.step);
+        let rise = s * s * (3.0 - 2.0 * s);
+        [1.0 - rise, h * s * (1.0 - s) * (1.0 - s), rise, -h * s * s * (1.0 - s)]
+    }
+
+    /// Writes the state at `elapsed` on the cubic.
+    pub fn write_cubic(&self, elapsed: f64, state: &mut [f64]) {
+        let weights = self.cubic(elapsed);
+        let sides = [self.before.state, self.before.derivative, self.after.state, self.after.derivative];
+        for (at, value) in state.iter_mut().enumerate() {
+            *value = weights.iter().zip(sides).map(|(weight, side)| weight * side[at]).sum();
+        }
+    }
+
     /// Writes displacements and velocities of `coordinates` into the state `y`.
     pub fn write_state(&self, weights: &Weights, coordinates: impl Iterator<Item = usize>, y: &mut [f64]) {
         let half = y.len() / 2;

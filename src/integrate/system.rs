@@ -2,7 +2,7 @@
 
 use super::{Deferred, Halt, Span, Trajectory, at_each};
 
-/// A first-order system ẏ = f(t, y). y holds displacements, then velocities.
+/// A first-order system ẏ = f(t, y). y holds displacements, then velocities, unless the system has its own coordinates.
 pub trait FirstOrderSystem {
     /// Length of y.
     fn len(&self) -> usize;
@@ -22,6 +22,24 @@ pub trait FirstOrderSystem {
     /// contact modes.
     fn switching(&self) -> Option<&[usize]> {
         None
+    }
+
+    /// Interpolates the state within a step, as far as contact modes depend on it.
+    fn within(&self, span: &Span<'_>, elapsed: f64, y: &mut [f64]) {
+        let switching = self.switching().unwrap_or_default();
+        span.write_state(&span.weights(elapsed), switching.iter().copied(), y);
+    }
+
+    /// The motion over a step.
+    fn trajectory<'a>(&'a mut self, span: Span<'a>) -> impl Trajectory + 'a {
+        SystemTrajectory { system: self, span }
+    }
+
+    /// Writes all displacements and velocities of a state.
+    fn physical(&mut self, _elapsed: f64, y: &[f64], q: &mut [f64], v: &mut [f64]) {
+        let (displacements, velocities) = y.split_at(y.len() / 2);
+        q.copy_from_slice(displacements);
+        v.copy_from_slice(velocities);
     }
 
     /// Writes the contact modes at a state as integer codes. Only the [`Self::switching`] displacements and their
@@ -71,13 +89,13 @@ pub trait Observer {
     fn continues(&mut self, elapsed: f64) -> bool;
 }
 
-/// The motion of a system over a step.
-pub(super) struct SystemTrajectory<'a, S> {
-    pub system: &'a mut S,
-    pub span: Span<'a>,
+/// The motion of a system in displacements and velocities over a step.
+struct SystemTrajectory<'a, S: ?Sized> {
+    system: &'a mut S,
+    span: Span<'a>,
 }
 
-impl<S: FirstOrderSystem> Trajectory for SystemTrajectory<'_, S> {
+impl<S: FirstOrderSystem + ?Sized> Trajectory for SystemTrajectory<'_, S> {
     fn begin(&self) -> f64 {
         self.span.start
     }

@@ -41,7 +41,7 @@ impl PyModel {
         if let Some(text) = options.unattainable() {
             warn(py, text)?;
         }
-        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense())?;
+        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(self.model()))?;
         warn_of_speed(py, &self.model().scene, options.fastest())?;
         let (owner, progress) = (self, progress.as_ref());
         let plan = record_plan(owner.model(), record)?;

@@ -74,7 +74,7 @@ pub fn steady_state<'py>(
     if let Some(text) = options.unattainable() {
         warn(py, text)?;
     }
-    owner.warn_of_ill_conditioning(py, owner.representative_speed(options.fastest()), options.dense())?;
+    owner.warn_of_ill_conditioning(py, owner.representative_speed(options.fastest()), options.dense(owner.model()))?;
     warn_of_speed(py, &owner.model().scene, options.fastest())?;
     let plan = record_plan(owner.model(), record)?;
     plan.require_memory(owner.model(), samples)?;

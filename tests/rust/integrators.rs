@@ -99,6 +99,25 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(crate::common::cases(100))]
+
+    #[test]
+    fn the_cubic_interpolates_states_and_their_derivatives(
+        c in prop::array::uniform4(-1.0..1.0), start in -2.0..2.0_f64, step in 1e-3..2.0_f64, part in 0.0..=1.0_f64,
+    ) {
+        let value = |t: f64| c.iter().rev().fold(0.0, |sum, c| sum * (t - start) + c);
+        let slope = |t: f64| (1..4).rev().fold(0.0, |sum, k| sum * (t - start) + k as f64 * c[k]);
+        let empty = StepEnd { state: &[], derivative: &[] };
+        let span = Span { start, step, before: empty, after: empty };
+        let at = start + part * step;
+        let ends = [value(start), slope(start), value(start + step), slope(start + step)];
+        let found: f64 = span.cubic(at).iter().zip(ends).map(|(weight, end)| weight * end).sum();
+        // Values are at most 15 (a cubic at s = 2).
+        prop_assert!((found - value(at)).abs() < 1e-14 * 15.0);
+    }
+}
+
 /// q̈ = (p + 1)tᵖ. Records the evaluation times and returns NaN after the time `until`, s.
 struct Clocked {
     power: i32,

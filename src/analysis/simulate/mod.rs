@@ -38,6 +38,7 @@ pub use run_cache::System;
 
 use super::{AnalysisError, Spectrum};
 use crate::connection::Touch;
+use crate::exponential::InModes;
 use crate::integrate::tableau::{DORMAND_PRINCE, RK4, Tableau};
 use crate::integrate::{
     Adaptive, Deferred, FirstOrderSystem, Halt, Halted, Observer, RungeKutta, State, Statistics, StepControl,
@@ -48,6 +49,7 @@ use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::SceneError;
 use heartbeat::Heartbeat;
 use initial::Start;
+use modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use record::Recorder;
 use run_cache::RunModel;
 
@@ -173,7 +175,7 @@ fn motion<'a>(
     start: &Start,
 ) -> Result<EquationOfMotion<'a>, AnalysisError> {
     let mut motion = EquationOfMotion::along(cached, options.geometry, &start.rotation, start.equilibrium.clone());
-    if plan.energy || !options.is_exponential() {
+    if plan.energy || !options.in_modes(&cached.model) {
         motion = motion.with_modal_damping(cached)?;
     }
     if options.method == Method::Exponential {
@@ -222,11 +224,10 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Integrates in modal coordinates, or with a Runge–Kutta method in displacements and velocities, which do not need
-    /// modes that are not parallel.
+    /// Integrates in displacements and velocities, or in modal coordinates.
     fn integrate<'m>(
         &self,
-        motion: EquationOfMotion<'m>,
+        mut motion: EquationOfMotion<'m>,
         start: &Start,
         plan: &RecordPlan,
         observer: &mut impl Observer,
@@ -236,38 +237,43 @@ impl Run<'_> {
         Self: 'm,
     {
         let Self { cached, options, .. } = *self;
-        if !options.is_exponential() {
-            let (state, outcome) = self.runge_kutta(motion, start, observer, statistics)?;
+        let is_exponential = matches!(options.method, Method::Exponential | Method::ExactRk4);
+        if !options.in_modes(&cached.model) {
+            let mut state = start.state.clone();
+            let outcome = self.runge_kutta(&mut motion, &mut state, observer, statistics)?;
             return Ok(Ended { state, condition: None, reduction: None, outcome });
         }
         let (setup, reduction) = reduced_setup::set_up(self, motion, start, plan, observer)?;
         let condition = Some(setup.linear.condition);
-        if !setup.linear.is_parallel() {
-            let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
-            return Ok(Ended { state, condition, reduction, outcome });
-        }
-        if options.is_explicit() {
+        let is_parallel = setup.linear.is_parallel();
+        if is_parallel && options.method == Method::ExactRk4 {
             let message = format!(
                 "\"etdrk4\" needs modes that are not parallel, and their condition number is {:.1e}; use \"rk45\"",
                 setup.linear.condition
             );
             return Err(SceneError::new("method", message).into());
         }
-        let motion = self::motion(cached, options, plan, start)?.with_modal_damping(cached)?;
-        let (state, outcome) = self.runge_kutta(motion, start, observer, statistics)?;
-        Ok(Ended { state, condition, reduction: None, outcome })
+        if is_exponential && !is_parallel {
+            let (state, outcome) = exponential::run(cached, options, setup, start, self.end, observer, statistics)?;
+            return Ok(Ended { state, condition, reduction, outcome });
+        }
+        let ModalSetup { linear, loads, maps, output } = setup;
+        let mut state = in_modal_coordinates(cached, &linear, &loads, start);
+        let mut system = InModes::new(loads, &linear, maps, output);
+        let outcome = self.runge_kutta(&mut system, &mut state, observer, statistics)?;
+        Ok(Ended { state: in_physical_coordinates(state, &linear, system.loads()), condition, reduction, outcome })
     }
 
     /// Integrates with a Runge–Kutta method.
     fn runge_kutta(
         &self,
-        mut motion: EquationOfMotion<'_>,
-        start: &Start,
+        system: &mut impl FirstOrderSystem,
+        state: &mut State,
         observer: &mut impl Observer,
         statistics: &mut Statistics,
-    ) -> Result<(State, Result<(), Halted>), AnalysisError> {
+    ) -> Result<Result<(), Halted>, AnalysisError> {
         let Self { cached, options, spectrum, floor, end, .. } = *self;
-        let mut state = start.state.clone();
+        let len = system.len();
         if options.method == Method::Rk4 {
             let step = fixed_step(cached, options, spectrum)?;
             let begun = state.count as f64 * step;
@@ -276,16 +282,14 @@ impl Run<'_> {
                     format!("stands within no step of {step:e} s: the system has changed; give the step of that run");
                 return Err(SceneError::new("initial", message).into());
             }
-            let mut method = RungeKutta::new(RK4, motion.len());
             let control = StepControl::Fixed(step);
-            let outcome = run(&mut motion, &mut method, &control, &mut state, end, observer, statistics);
-            return Ok((state, outcome));
+            let mut method = RungeKutta::new(RK4, len);
+            return Ok(run(system, &mut method, &control, state, end, observer, statistics));
         }
         let longest = spectrum.longest_step(&DORMAND_PRINCE).min(options.duration.max(f64::MIN_POSITIVE));
         let control = StepControl::Adaptive(Adaptive { rtol: options.tolerance(), floor, longest });
-        let mut method = RungeKutta::new(DORMAND_PRINCE, motion.len());
-        let outcome = run(&mut motion, &mut method, &control, &mut state, end, observer, statistics);
-        Ok((state, outcome))
+        let mut method = RungeKutta::new(DORMAND_PRINCE, len);
+        Ok(run(system, &mut method, &control, state, end, observer, statistics))
     }
 }
 

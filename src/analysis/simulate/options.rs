@@ -167,20 +167,21 @@ pub(super) fn is_large(model: &Model) -> bool {
 }
 
 impl Options {
-    /// Whether the method is exact for the linear motion, in modal coordinates. Runge–Kutta methods integrate displacements and
-    /// velocities.
-    pub(super) fn is_exponential(&self) -> bool {
-        matches!(self.method, Method::Exponential | Method::ExactRk4)
+    /// Whether the run integrates modal coordinates. At a variable speed the modes vary, and modal damping is a matrix
+    /// over all displacements.
+    pub(super) fn in_modes(&self, model: &Model) -> bool {
+        let modal = !model.scene.modal_damping.is_zero() && matches!(self.speed, Speed::Constant(_));
+        modal || matches!(self.method, Method::Exponential | Method::ExactRk4)
     }
 
-    /// Whether the run may use a model that is built    /// Whether the run may use a model that is built from the modes of its components.
+    /// Whether the run may use a model that is built from the modes of its components.
     pub(super) fn uses_components(&self, model: &Model) -> bool {
         is_large(model) && (self.modes.is_some() || self.reduction.is_some())
     }
 
     /// The dense matrices that the run needs.
-    pub fn dense(&self) -> Dense {
-        if self.is_exponential() { Dense::Damped } else { Dense::Undamped }
+    pub fn dense(&self, model: &Model) -> Dense {
+        if self.in_modes(model) { Dense::Damped } else { Dense::Undamped }
     }
 
     /// Checks all options that do not depend on the scene.

@@ -63,7 +63,7 @@ impl CombinationMap {
         self.map.gather(z);
     }
 
-    /// Evaluates the loads at the last    /// Evaluates the loads at the last states, which belong to `instants`.
+    /// Evaluates the loads at the last states, which belong to `instants`.
     ///
     /// # Errors
     /// [`Halt`] where a load is not defined. These states are then left out.

@@ -53,9 +53,9 @@ pub struct OutputMap {
     /// The map to the energies of the shafts.
     pub(super) energies: Option<Box<ShaftEnergies>>,
     /// The map to the accelerations, if a run reads any.
-    pub(super) accelerations: Option<Box<CombinationMap>>,
+    pub(in crate::exponential) accelerations: Option<Box<CombinationMap>>,
     /// The map to the combinations, if a run reads any.
-    pub(super) combinations: Option<Box<CombinationMap>>,
+    pub(in crate::exponential) combinations: Option<Box<CombinationMap>>,
     /// The map to scalars whose squares are the power of the distributed damping, if a run reads powers.
     damping: Option<StateMap>,
 }
@@ -111,6 +111,16 @@ impl OutputMap {
             accelerations: None,
             combinations: None,
             damping: None,
+        }
+    }
+
+    /// The map that reads all selected coordinates at every output, also those from which only the energies of the shafts
+    /// follow.
+    pub(in crate::exponential) fn complete(self) -> Self {
+        let Self { accelerated, accelerations, combinations, .. } = self;
+        match self.energies {
+            Some(energies) => Self { accelerated, accelerations, combinations, ..energies.output },
+            None => Self { accelerated, accelerations, combinations, ..self },
         }
     }
 
@@ -223,7 +233,7 @@ impl ShaftEnergies {
         }
     }
 
-    /// Adds the state z at an instant.    /// Adds the state z at an instant.
+    /// Adds the state z at an instant.
     pub fn collect(&mut self, elapsed: f64, z: &[f64]) {
         self.instants.push(elapsed);
         self.output.gather(z);
