@@ -10,7 +10,7 @@
 //! The drive prescribes the speed and therefore supplies this power: ½uᵀ(∂K/∂Ω_s)u Ω̇_s.
 
 use super::instant::{Instant, InterfaceOptions, Tangent};
-use super::{Bounds, Coefficients, Row};
+use super::{Bounds, Coefficients, Row, along_row};
 use crate::scene::{Bearing, BearingCoefficient, EntryPath, Matrix2, SceneError, outside_frequencies, outside_table};
 
 /// A bearing whose coefficients depend on the speed of its shaft or on the frequency of the vibration.
@@ -89,7 +89,7 @@ impl SpeedDependentBearing {
     /// The two scalars of the bearing for displacements, or their rates for velocities.
     #[inline]
     pub fn scalars(&self, q: &[f64]) -> [f64; 2] {
-        self.rows.each_ref().map(|row| row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum())
+        self.rows.each_ref().map(|row| along_row(row, q))
     }
 
     /// Stiffness [N/m] and damping [N s/m] over (v, w) at a speed of the reference shaft, rad/s.

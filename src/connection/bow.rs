@@ -12,8 +12,8 @@
 //! Both are exact in θ. The moment is that of the forces which the shaft transmits, at the offset of its centre line. It is
 //! linear in the force at the equilibrium and of second order in the bow at rest, so that linear analyses do not contain it.
 
-use super::Row;
 use super::instant::{Instant, InterfaceOptions};
+use super::{Row, along_row};
 use num_complex::Complex64;
 
 /// Number of scalars.
@@ -43,7 +43,7 @@ impl TurningBow {
 
     /// Twist of the shaft, rad, for displacements q.
     pub fn twist(&self, q: &[f64]) -> f64 {
-        scalar(&self.rows[2], q)
+        along_row(&self.rows[2], q)
     }
 
     /// Indices of the coordinates from which the twist follows.
@@ -63,15 +63,11 @@ impl TurningBow {
     /// Adds the load to the generalised forces at the angle ϑ of the shaft, rad, for displacements q.
     #[inline]
     pub fn apply(&self, angle: f64, q: &[f64], out: &mut [f64]) {
-        let scalars = self.rows.each_ref().map(|row| scalar(row, q));
+        let scalars = self.rows.each_ref().map(|row| along_row(row, q));
         for (row, load) in self.rows.iter().zip(self.load(angle, scalars)) {
             row.iter().for_each(|(index, coefficient)| out[*index] += coefficient * load);
         }
     }
-}
-
-fn scalar(row: &Row, q: &[f64]) -> f64 {
-    row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum()
 }
 
 /// A bow that turns with the twist in a run. It has no tangent, which would vary with the angle of the shaft and be factorised in
@@ -87,7 +83,7 @@ pub struct BowInterface {
 
 impl BowInterface {
     pub(super) fn new(bow: &TurningBow, options: InterfaceOptions<'_>) -> Self {
-        let reference = bow.rows.each_ref().map(|row| scalar(row, options.reference));
+        let reference = bow.rows.each_ref().map(|row| along_row(row, options.reference));
         Self { bow: bow.clone(), reference, reference_force: [0.0; SCALARS] }
     }
 

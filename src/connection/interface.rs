@@ -46,13 +46,19 @@ impl Interface {
         }
     }
 
+    /// The interface of a mesh. No other connection has flanks.
+    #[inline(always)]
+    fn of_mesh(&self) -> Option<&MeshInterface> {
+        match self {
+            Self::Mesh(interface) => Some(interface),
+            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => None,
+        }
+    }
+
     /// Index of the mesh, if it is one.
     #[inline(always)]
     pub fn mesh(&self) -> Option<usize> {
-        match self {
-            Self::Mesh(interface) => Some(interface.mesh),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => None,
-        }
+        self.of_mesh().map(|interface| interface.mesh)
     }
 
     /// Index in [`Model::turning_ratio`](crate::model::Model::turning_ratio) of the angle and speed on which it depends; none
@@ -171,22 +177,15 @@ impl Interface {
 
     /// Interval in which the flanks of a mesh keep the state that they have in `contact`; infinite for another connection.
     pub fn guaranteed_interval(&self, contact_mode: &ContactMode, contact: &Contact) -> GuaranteedInterval {
-        match self {
-            Self::Mesh(interface) => interface.guaranteed_interval(contact_mode.flank, contact),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => {
-                GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 }
-            }
-        }
+        let never = GuaranteedInterval { time: f64::INFINITY, frequency: 0.0 };
+        self.of_mesh().map_or(never, |interface| interface.guaranteed_interval(contact_mode.flank, contact))
     }
 
     /// Distances of the drive flank and of the back flank of a mesh from a change of the contact mode, m; infinite for another
     /// connection. A distance is positive
     /// while the flank keeps its state; for a pressed flank it is the remaining deflection.
     pub fn margins(&self, contact_mode: &ContactMode, contact: &Contact) -> [f64; 2] {
-        match self {
-            Self::Mesh(interface) => interface.margins(contact_mode.flank, contact),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => [f64::INFINITY; 2],
-        }
+        self.of_mesh().map_or([f64::INFINITY; 2], |interface| interface.margins(contact_mode.flank, contact))
     }
 
     /// The contact mode at deviations `u` and their `rates`; none if the connection has no contact modes. Flanks that are
@@ -201,10 +200,7 @@ impl Interface {
         rates: &[f64],
         unchanged: bool,
     ) -> Result<Option<ContactMode>, Overlap> {
-        match self {
-            Self::Mesh(interface) => interface.contact_mode(instant, u, rates, unchanged).map(Some),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => Ok(None),
-        }
+        self.of_mesh().map(|interface| interface.contact_mode(instant, u, rates, unchanged)).transpose()
     }
 
     /// Appends the ends of the path of contact of a mesh with sharp engagement, in base pitches, to `ends`: each with the tooth
@@ -213,9 +209,6 @@ impl Interface {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn ends(&self, instant: &Instant, u: &[f64], ends: &mut Vec<(f64, i64)>) -> Result<(), Overlap> {
-        match self {
-            Self::Mesh(interface) => interface.ends(instant, u, ends),
-            Self::Bearing(_) | Self::Nonlinear(_) | Self::Load(_) | Self::Bow(_) => Ok(()),
-        }
+        self.of_mesh().map_or(Ok(()), |interface| interface.ends(instant, u, ends))
     }
 }

@@ -14,8 +14,8 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use super::instant::{Instant, InterfaceOptions, Tangent};
-use super::{Bounds, Coefficients, Row};
-use crate::scene::{LoadLaw, SceneError, outside_table};
+use super::{Bounds, Coefficients, Row, along_row};
+use crate::scene::{LoadLaw, SceneError, excluding, outside_table};
 
 /// A load that depends on time, angle or speed.
 #[derive(Clone, Debug)]
@@ -88,11 +88,9 @@ impl AppliedLoad {
     /// [`SceneError`] with the path of the table, the speed of the shaft and the range of the table.
     pub fn check(&self, speed: f64) -> Result<(), SceneError> {
         if let LoadLaw::SpeedTorque { curve, holds: false } = &self.law {
-            let (own, [first, last]) = ((self.ratio * speed).abs(), curve.range());
-            let slack = 1e-12 * last;
-            if own < first - slack || own > last + slack {
-                let message = outside_table([first, last], "the shaft", own);
-                return Err(SceneError::new(&self.path, message));
+            let own = (self.ratio * speed).abs();
+            if let Some(range) = excluding(curve.range(), own) {
+                return Err(SceneError::new(&self.path, outside_table(range, "the shaft", own)));
             }
         }
         Ok(())
@@ -101,7 +99,7 @@ impl AppliedLoad {
     /// Rate of the first scalar for velocities v.
     #[inline]
     pub fn rate(&self, v: &[f64]) -> f64 {
-        self.rows[0].iter().map(|(index, coefficient)| coefficient * v[*index]).sum()
+        along_row(&self.rows[0], v)
     }
 
     /// Adds the load to the generalised forces.
@@ -114,8 +112,7 @@ impl AppliedLoad {
 
     /// Power of the load, W.
     pub fn power(&self, instant: &Instant, v: &[f64]) -> f64 {
-        let rate = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * v[*index]).sum::<f64>();
-        self.rows.iter().zip(self.value(instant, self.rate(v))).map(|(row, value)| value * rate(row)).sum()
+        self.rows.iter().zip(self.value(instant, self.rate(v))).map(|(row, value)| value * along_row(row, v)).sum()
     }
 }
 

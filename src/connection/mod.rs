@@ -44,6 +44,12 @@ use crate::mesh::GearMesh;
 /// A scalar as entries (index of a coordinate, coefficient).
 pub type Row = Vec<(usize, f64)>;
 
+/// The scalar of a row for these displacements, or its rate for velocities.
+#[inline]
+pub fn along_row(row: &[(usize, f64)], values: &[f64]) -> f64 {
+    row.iter().map(|(index, coefficient)| coefficient * values[*index]).sum()
+}
+
 /// One element that acts between a few coordinates.
 #[derive(Clone, Copy, Debug)]
 pub enum Connection<'m> {

@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use super::instant::{Instant, InterfaceOptions, OutOfRange, Tangent, Touch};
-use super::{Bounds, Coefficients, Row};
+use super::{Bounds, Coefficients, Row, along_row};
 use crate::bearing_force::{BearingForce, Matrix, Uncarried, Vector};
 use crate::film::{Film, TiltingPads};
 use crate::mesh::ShaftPhase;
@@ -69,11 +69,15 @@ trait Law<const N: usize> {
         self.mean(u, spin)
     }
 
-    /// Elastic energy, J, at an angle of the cage, rad.
-    fn energy(&self, u: [f64; N], angle: f64) -> f64;
+    /// Elastic energy, J, at an angle of the cage, rad; a film stores none.
+    fn energy(&self, _: [f64; N], _: f64) -> f64 {
+        0.0
+    }
 
     /// Elastic force, N, at an angle of the cage, rad.
-    fn elastic_force(&self, u: [f64; N], angle: f64) -> [f64; N];
+    fn elastic_force(&self, _: [f64; N], _: f64) -> [f64; N] {
+        [0.0; N]
+    }
 
     /// Displacement, m, at which it carries a static force, N, at a spin, and force and stiffness there.
     fn carrying(&self, force: [f64; N], spin: f64) -> Result<([f64; N], BearingForce<N>), Uncarried>;
@@ -87,15 +91,6 @@ impl Law<2> for Film {
 
     fn mean(&self, u: Vector, spin: f64) -> BearingForce {
         self.at_rest(u, spin)
-    }
-
-    /// A film stores no energy.
-    fn energy(&self, _: Vector, _: f64) -> f64 {
-        0.0
-    }
-
-    fn elastic_force(&self, _: Vector, _: f64) -> Vector {
-        [0.0; 2]
     }
 
     fn carrying(&self, force: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
@@ -116,14 +111,6 @@ impl Law<2> for TiltingPads {
 
     fn vibration(&self, u: Vector, spin: f64) -> BearingForce {
         self.at(u, spin, spin)
-    }
-
-    fn energy(&self, _: Vector, _: f64) -> f64 {
-        0.0
-    }
-
-    fn elastic_force(&self, _: Vector, _: f64) -> Vector {
-        [0.0; 2]
     }
 
     fn carrying(&self, force: Vector, spin: f64) -> Result<(Vector, BearingForce), Uncarried> {
@@ -345,13 +332,12 @@ impl NonlinearBearing {
     /// The scalars for displacements, or their rates for velocities.
     #[inline]
     pub fn scalars<const N: usize>(&self, q: &[f64]) -> [f64; N] {
-        std::array::from_fn(|i| self.rows[i].iter().map(|(index, coefficient)| coefficient * q[*index]).sum())
+        std::array::from_fn(|i| along_row(&self.rows[i], q))
     }
 
     /// The scalars for displacements as a vector.
     pub fn scalar_vector(&self, q: &[f64]) -> DVector<f64> {
-        let scalar = |row: &Row| row.iter().map(|(index, coefficient)| coefficient * q[*index]).sum();
-        DVector::from_iterator(self.rows.len(), self.rows.iter().map(scalar))
+        DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| along_row(row, q)))
     }
 
     /// The coefficients of a search that starts: its initial stiffness along every scalar.

@@ -19,7 +19,7 @@
 //! centre; a plain bearing is one pad of 360°.
 //!
 //! `short.rs` has f for a short film in closed form. `reynolds.rs` solves Reynolds' equation for a pad of finite length,
-//! `table.rs` and `spline.rs` interpolate its solutions, `store.rs` keeps them in files, `equilibrium.rs` finds the displacement
+//! `table.rs` interpolates its solutions, `store.rs` keeps them in files, `equilibrium.rs` finds the displacement
 //! under a load, and `tilting.rs` eliminates the tilt of pads.
 //!
 //! A squeeze film is the film of a ring that does not turn. Without rupture its force is f(u, w) − f(u, −w), which is linear in w.
@@ -27,7 +27,6 @@
 mod equilibrium;
 mod reynolds;
 mod short;
-mod spline;
 mod store;
 mod table;
 mod tilting;

@@ -6,6 +6,7 @@
 
 use std::env;
 use std::fs;
+use std::hash::{DefaultHasher, Hasher};
 use std::path::PathBuf;
 use std::process;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,11 +17,6 @@ use crate::scene::Rupture;
 
 /// First bytes of a file; the number changes with the grids of solver and table.
 const MARK: &[u8; 16] = b"gearbow film 001";
-/// Bytes of a number.
-const WORD: usize = 8;
-/// Start value and factor of the check sum FNV-1a.
-const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
-const FNV_FACTOR: u64 = 0x0000_0100_0000_01b3;
 
 /// Number of the temporary file of this process.
 static WRITTEN: AtomicU64 = AtomicU64::new(0);
@@ -84,23 +80,26 @@ fn encoded(shape: &PadShape, splines: &Splines) -> Vec<u8> {
 
 /// The coefficients in the bytes of a file; none if it is damaged or that of another pad.
 fn decoded(shape: &PadShape, bytes: &[u8]) -> Option<Splines> {
-    let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(WORD)?)?;
+    let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(size_of::<u64>())?)?;
     let head = head(shape);
     let [deviation, centre] = Splines::lengths(shape);
-    let is_whole = content.len() == head.len() + 2 * WORD * (deviation + centre) && content.starts_with(&head);
+    let (number_size, vector_size) = (size_of::<f64>(), size_of::<Vector>());
+    let is_whole = content.len() == head.len() + vector_size * (deviation + centre) && content.starts_with(&head);
     if !is_whole || check_sum(content).to_le_bytes() != sum {
         return None;
     }
     let number = |bytes: &[u8]| bytes.try_into().map(f64::from_le_bytes).ok();
-    let vector = |bytes: &[u8]| Some([number(&bytes[..WORD])?, number(&bytes[WORD..])?]);
-    let all = content[head.len()..].chunks_exact(2 * WORD).map(vector).collect::<Option<Vec<Vector>>>()?;
+    let vector = |bytes: &[u8]| Some([number(&bytes[..number_size])?, number(&bytes[number_size..])?]);
+    let all = content[head.len()..].chunks_exact(vector_size).map(vector).collect::<Option<Vec<Vector>>>()?;
     let (deviation, centre) = all.split_at(deviation);
     Some(Splines { deviation: deviation.to_vec(), centre: centre.to_vec() })
 }
 
-/// Check sum FNV-1a.
+/// Check sum. A release of Rust that changes it makes the tables of this one unknown, and they are computed again.
 fn check_sum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(FNV_START, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(FNV_FACTOR))
+    let mut sum = DefaultHasher::new();
+    sum.write(bytes);
+    sum.finish()
 }
 
 #[cfg(test)]

@@ -28,6 +28,14 @@ pub struct MeshLoss {
     pub loss: f64,
 }
 
+/// The gears in an equilibrium.
+struct AtRest {
+    /// Whether the line of action follows the centres.
+    geometry: Geometry,
+    relative: RelativeMotion,
+    line: LineOfAction,
+}
+
 impl GearMesh {
     /// The teeth at `count` equally spaced angles of one tooth cycle.
     pub fn tooth_cycle(&self, sigma: f64, count: usize) -> Vec<TeethAtAngle> {
@@ -83,14 +91,8 @@ impl GearMesh {
         q: &[f64],
         mut visit: impl FnMut(usize, usize, f64),
     ) -> Result<(f64, Directions), Overlap> {
-        let geometry = self.geometry_at_rest(geometry);
-        let relative = self.position(geometry, q);
         let (sigma, clearance) = if back { (-sigma, self.backlash.unwrap_or(0.0)) } else { (sigma, 0.0) };
-        let line = self.line(
-            sigma,
-            &self.centre_geometry(geometry, relative.relative_displacement)?,
-            relative.relative_displacement,
-        );
+        let AtRest { geometry, relative, line } = self.at_rest_of(geometry, sigma, q)?;
         let force = self.stiffness * (sigma * relative.rolling_displacement + line.deflection - clearance);
         let directions = self.directions(geometry, sigma, &line, &relative);
         self.gradient(sigma, &directions, |row, left| {
@@ -131,11 +133,16 @@ impl GearMesh {
         })
     }
 
-    /// Whether the line of action follows the centres in an equilibrium: not that of a planet which moves laterally on a carrier that
-    /// turns. The twist of the carrier moves it along the tangent of its path, which would count as a change of the distance.
-    fn geometry_at_rest(&self, geometry: Geometry) -> Geometry {
+    /// The gears in an equilibrium at the displacements `q`. The line of action of a planet which moves laterally on a carrier that
+    /// turns does not follow the centres: the twist of the carrier moves it along the tangent of its path, which would count as a
+    /// change of the distance.
+    fn at_rest_of(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<AtRest, Overlap> {
         let is_carried = self.carrier.is_some() && self.coordinates.translation.is_some();
-        if is_carried { Geometry::Frozen } else { geometry }
+        let geometry = if is_carried { Geometry::Frozen } else { geometry };
+        let relative = self.position(geometry, q);
+        let centre_geometry = self.centre_geometry(geometry, relative.relative_displacement)?;
+        let line = self.line(sigma, &centre_geometry, relative.relative_displacement);
+        Ok(AtRest { geometry, relative, line })
     }
 
     /// The reported quantities of a mesh in equilibrium with the mean stiffness at the displacements `q`.
@@ -143,17 +150,11 @@ impl GearMesh {
     /// # Errors
     /// [`Overlap`] of the base circles.
     pub fn state_at_rest(&self, geometry: Geometry, sigma: f64, q: &[f64]) -> Result<MeshState, Overlap> {
-        let geometry = self.geometry_at_rest(geometry);
-        let relative = self.position(geometry, q);
+        let AtRest { geometry, relative, line } = self.at_rest_of(geometry, sigma, q)?;
         let (elastic, _) = self.mean_tangent(geometry, sigma, false, q, |_, _, _| {})?;
         let [(drive, _), (back, _)] = self.mean_forces(geometry, sigma, q)?;
         let flanks = if drive > 0.0 && back > 0.0 { 2.0 } else { 1.0 };
         let centres = self.reported_centres(geometry, relative.relative_displacement)?;
-        let line = self.line(
-            sigma,
-            &self.centre_geometry(geometry, relative.relative_displacement)?,
-            relative.relative_displacement,
-        );
         let (first, last) = self.path(sigma, false, &line, 0.0, relative.twist[0]).engaged();
         Ok(self.normal_to_teeth(MeshState {
             deflection: elastic / self.stiffness,
@@ -179,10 +180,7 @@ impl GearMesh {
         spins: [f64; 2],
         q: &[f64],
     ) -> Result<MeshLoss, Overlap> {
-        let geometry = self.geometry_at_rest(geometry);
-        let relative = self.position(geometry, q);
-        let centre_geometry = self.centre_geometry(geometry, relative.relative_displacement)?;
-        let tangent = self.line(sigma, &centre_geometry, relative.relative_displacement).tangent;
+        let AtRest { geometry, line: LineOfAction { tangent, .. }, .. } = self.at_rest_of(geometry, sigma, q)?;
         let [(drive, _), (back, _)] = self.mean_forces(geometry, sigma, q)?;
         let force = drive - back;
         let power = (force * self.involute.base_radius[0] * spins[0]).abs();

@@ -12,7 +12,7 @@ use super::housing::{axial_row, base_of, modal_row, point_rows, slope_rows as ho
 use super::{Model, Numbering, Support};
 use crate::connection::Row;
 use crate::scene::description::ElasticBody;
-use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene};
+use crate::scene::{Attachment, Bearing, Coupling, Housing, Matrix2, Node, Scene, SpringDamper};
 
 /// A spring and damper over one or two scalars u = Wᵀq: f = K u + C u̇, which acts as −W f.
 #[derive(Clone, Debug)]
@@ -225,13 +225,14 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
         let link = link.in_frame(frame);
         links.push(Link { bearing: Some(bearing.node), ..link });
     };
-    if numbering.displacement_along(bearing.node).is_some() && bearing.axial != [0.0; 2] {
-        let [stiffness, damping] = bearing.axial.map(|value| [[value, 0.0], [0.0, 0.0]]);
-        push(vec![axial_bearing_row(scene, numbering, bearing)], stiffness, damping);
+    if numbering.displacement_along(bearing.node).is_some() && !bearing.axial.is_zero() {
+        let SpringDamper { stiffness, damping } = bearing.axial;
+        let along = |value: f64| [[value, 0.0], [0.0, 0.0]];
+        push(vec![axial_bearing_row(scene, numbering, bearing)], along(stiffness), along(damping));
     }
-    if let Some(rows) = slope_rows(scene, numbering, bearing).filter(|_| bearing.tilting != [0.0; 2]) {
-        let [stiffness, damping] = bearing.tilting.map(isotropic);
-        push(rows.into(), stiffness, damping);
+    if let Some(rows) = slope_rows(scene, numbering, bearing).filter(|_| !bearing.tilting.is_zero()) {
+        let SpringDamper { stiffness, damping } = bearing.tilting;
+        push(rows.into(), isotropic(stiffness), isotropic(damping));
     }
 }
 

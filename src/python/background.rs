@@ -107,7 +107,24 @@ where
     E: Send + 'static,
     PyErr: From<E>,
 {
-    let (result, raised) = run(py, None, move |interrupt, _| work(interrupt))?;
+    reported_result(py, None, move |interrupt, _| work(interrupt))
+}
+
+/// Runs an analysis that reports the completed fraction to `progress`, as [`run`], and returns its result.
+///
+/// # Errors
+/// As [`result_of`].
+pub fn reported_result<T, E>(
+    py: Python<'_>,
+    progress: Option<&Py<PyAny>>,
+    work: impl FnOnce(&Interrupt, &mut dyn FnMut(f64) -> bool) -> Result<T, E> + Send + 'static,
+) -> PyResult<T>
+where
+    T: Send + 'static,
+    E: Send + 'static,
+    PyErr: From<E>,
+{
+    let (result, raised) = run(py, progress, work)?;
     raised.map_or(Ok(()), Err)?;
     Ok(result?)
 }

@@ -1,4 +1,4 @@
-//! Coefficients of one journal bearing or rolling bearing.
+//! Parts on their own: coefficients of one journal bearing or rolling bearing, geometry of the meshes of a description.
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -171,24 +171,10 @@ pub fn ring_coefficients<'py>(
 
 /// The estimate of the elements of a rolling bearing with a designation or boundary as a dictionary; none for another bearing.
 #[pyfunction]
-pub fn rolling_estimate<'py>(py: Python<'py>, bearing: &Bound<'_, PyAny>) -> PyResult<Option<Bound<'py, PyDict>>> {
+pub fn rolling_estimate<'py>(py: Python<'py>, bearing: &Bound<'_, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
     let given = SceneDescription::bearing_from_objects(&mut Depythonizer::from_object(bearing))?;
-    let Some(found) = scene::estimate(&given, &EntryPath::root("bearing"))? else {
-        return Ok(None);
-    };
-    let dict = PyDict::new(py);
-    dict.set_item("kind", pythonize::pythonize(py, &found.kind)?)?;
-    let [bore, outer, width] = found.boundary;
-    dict.set_item("bore", bore)?;
-    dict.set_item("outer", outer)?;
-    dict.set_item("width", width)?;
-    dict.set_item("elements", found.elements)?;
-    dict.set_item("element_diameter", found.element_diameter)?;
-    dict.set_item("pitch_diameter", found.pitch_diameter)?;
-    dict.set_item("roller_length", found.roller_length)?;
-    dict.set_item("contact_angle", found.contact_angle)?;
-    dict.set_item("stiffness_uncertainty", found.stiffness_uncertainty)?;
-    Ok(Some(dict))
+    let found = scene::estimate(&given, &EntryPath::root("bearing"))?;
+    Ok(found.map(|found| pythonize::pythonize(py, &found)).transpose()?)
 }
 
 /// Displacement, stiffness and damping as a dictionary.

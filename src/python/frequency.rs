@@ -33,39 +33,16 @@ pub fn finite_speeds(speeds: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, Sce
     Ok(speeds)
 }
 
+/// Reads the harmonic sources of a model.
+pub fn harmonic_sources(model: &Model, given: &Bound<'_, PyAny>) -> PyResult<Vec<HarmonicSource>> {
+    let given: Vec<description::Source> = pythonize::depythonize(given)?;
+    let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(model, given, index);
+    Ok(given.iter().enumerate().map(source).collect::<Result<_, _>>()?)
+}
+
 /// Largest absolute value of the speeds, rad/s.
 fn fastest(speeds: &[f64]) -> f64 {
     speeds.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()))
-}
-
-/// Computes a Campbell diagram: eigenvalues (speeds, modes), excitation lines and their intersections.
-pub fn campbell<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    speeds: &PyReadonlyArray1<'py, f64>,
-    count: usize,
-    harmonics: u32,
-    threads: usize,
-) -> PyResult<Bound<'py, PyDict>> {
-    let speeds = speeds.as_array().to_vec();
-    warn_of_speed(py, &model.cached.model.scene, fastest(&speeds))?;
-    let rows = speeds.len();
-    require_campbell(rows, count.min(2 * model.model().len()))?;
-    let memory = analysis::memory_of_modes(model.model(), count);
-    let found = model.run(py, memory, move |cached, interrupt| {
-        let threads = Threads::new(memory.threads(&cached.model, threads), count);
-        analysis::campbell(cached, &speeds, count, harmonics, &threads, interrupt)
-    })?;
-    let modes = found.eigenvalues.first().map_or(0, Vec::len);
-    let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let dict = PyDict::new(py);
-    dict.set_item("eigenvalues", table(py, found.eigenvalues.concat(), rows, modes)?)?;
-    dict.set_item("whirl", found.whirl.iter().map(whirl).collect::<Vec<_>>())?;
-    let lines = found.lines.iter().map(|line| LineRow::new(model.model(), line));
-    dict.set_item("lines", lines.collect::<Vec<_>>())?;
-    dict.set_item("intersections", found.intersections.iter().map(IntersectionRow::new).collect::<Vec<_>>())?;
-    dict.set_item("thresholds", found.thresholds.iter().map(ThresholdRow::new).collect::<Vec<_>>())?;
-    Ok(dict)
 }
 
 /// The fields of an `ExcitationLine` of Python.
@@ -154,105 +131,160 @@ pub fn whirl_classes() -> Vec<&'static str> {
     modal::Whirl::NAMES.to_vec()
 }
 
-/// Computes undamped critical speeds, rad/s, with the direction of whirl.
-pub fn critical_speeds(
-    model: &PyModel,
-    py: Python<'_>,
-    order: f64,
-    count: Option<usize>,
-) -> PyResult<Vec<(f64, String)>> {
-    let count = count.unwrap_or(usize::MAX);
-    let memory = analysis::memory_of_critical_speeds(model.model(), count);
-    let found =
-        model.run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, order, count, interrupt))?;
-    Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
-}
+#[pymethods]
+impl PyModel {
+    /// Computes a Campbell diagram: eigenvalues (speeds, modes), excitation lines and their intersections.
+    fn campbell<'py>(
+        &self,
+        py: Python<'py>,
+        speeds: PyReadonlyArray1<'py, f64>,
+        count: usize,
+        harmonics: u32,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let speeds = speeds.as_array().to_vec();
+        warn_of_speed(py, &self.model().scene, fastest(&speeds))?;
+        let rows = speeds.len();
+        require_campbell(rows, count.min(2 * self.model().len()))?;
+        let memory = analysis::memory_of_modes(self.model(), count);
+        let found = self.run(py, memory, move |cached, interrupt| {
+            let threads = Threads::new(memory.threads(&cached.model, threads), count);
+            analysis::campbell(cached, &speeds, count, harmonics, &threads, interrupt)
+        })?;
+        let modes = found.eigenvalues.first().map_or(0, Vec::len);
+        let whirl = |of: &Vec<_>| of.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let dict = PyDict::new(py);
+        dict.set_item("eigenvalues", table(py, found.eigenvalues.concat(), rows, modes)?)?;
+        dict.set_item("whirl", found.whirl.iter().map(whirl).collect::<Vec<_>>())?;
+        let lines = found.lines.iter().map(|line| LineRow::new(self.model(), line));
+        dict.set_item("lines", lines.collect::<Vec<_>>())?;
+        dict.set_item("intersections", found.intersections.iter().map(IntersectionRow::new).collect::<Vec<_>>())?;
+        dict.set_item("thresholds", found.thresholds.iter().map(ThresholdRow::new).collect::<Vec<_>>())?;
+        Ok(dict)
+    }
 
-/// Computes undamped critical speeds against the stiffness of every bearing, N/m: one list for each stiffness.
-pub fn critical_speed_map(
-    model: &PyModel,
-    py: Python<'_>,
-    stiffnesses: &PyReadonlyArray1<'_, f64>,
-    order: f64,
-    count: Option<usize>,
-    threads: usize,
-) -> PyResult<Vec<Vec<CriticalRow>>> {
-    let (stiffnesses, count) = (stiffnesses.as_array().to_vec(), count.unwrap_or(usize::MAX));
-    let memory = analysis::memory_of_critical_speeds(model.model(), count);
-    let Some(largest) = stiffnesses.iter().copied().reduce(f64::max) else {
-        return Ok(Vec::new());
-    };
-    let with = |description: &SceneDescription, stiffness: f64| {
-        let bearings = description.bearings.iter().map(|bearing| bearing.with_stiffness(stiffness)).collect();
-        SceneDescription { bearings, ..description.clone() }
-    };
-    // The stiffest bearings need the finest elements. Equal elements make the shapes of all stiffnesses comparable.
-    let given = with(&model.description, largest);
-    let found = model.run(py, memory, move |cached, interrupt| {
-        let description = analysis::resolve(&given, None, interrupt)?.description;
-        let threads = Threads::new(memory.threads(&cached.model, threads), stiffnesses.len());
-        let at = |stiffness: f64| Ok(Model::new(Scene::new(&with(&description, stiffness))?)?);
-        analysis::critical_speed_map(at, &stiffnesses, order, count, &threads, interrupt)
-    })?;
-    let row = |point: &analysis::CriticalPoint| {
-        (point.critical.speed, point.critical.whirl.to_string(), point.critical.residual, point.line)
-    };
-    Ok(found.iter().map(|points| points.iter().map(row).collect()).collect())
-}
+    /// Computes undamped critical speeds, rad/s, with the direction of whirl.
+    #[pyo3(signature = (order, count=None))]
+    fn critical_speeds(&self, py: Python<'_>, order: f64, count: Option<usize>) -> PyResult<Vec<(f64, String)>> {
+        let count = count.unwrap_or(usize::MAX);
+        let memory = analysis::memory_of_critical_speeds(self.model(), count);
+        let found =
+            self.run(py, memory, move |cached, interrupt| analysis::critical_speeds(cached, order, count, interrupt))?;
+        Ok(found.iter().map(|critical| (critical.speed, critical.whirl.to_string())).collect())
+    }
 
-/// Computes the synchronous response: phasors (speeds, shafts, n), bearing forces and the bow of every shaft.
-pub fn synchronous<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    speeds: &PyReadonlyArray1<'_, f64>,
-    excitation: &str,
-    threads: usize,
-) -> PyResult<Bound<'py, PyDict>> {
-    let (speeds, part) = (finite_speeds(speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
-    let assembled = model.model();
-    let sources: Vec<_> = (0..assembled.shafts.len()).map(|shaft| HarmonicSource::Shaft { shaft, part }).collect();
-    let ratios: Vec<f64> = assembled.shafts.iter().map(ShaftModel::ratio_in_frame).collect();
-    let lines = ratios.iter().map(|ratio| speeds.iter().map(|speed| ratio * speed).collect()).collect();
-    let request = ResponseRequest { argument: "speeds", speeds: speeds.clone(), lines, sources };
-    let (table, unstable) = request.run(model, py, threads, move |cached, table, threads, interrupt| {
-        let peaks = local_maxima(&table.largest);
-        match analysis::unstable_ranges(cached, &speeds, &peaks, threads, interrupt) {
-            Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
-            unstable => Ok(unstable),
+    /// Computes undamped critical speeds against the stiffness of every bearing, N/m: one list for each stiffness.
+    fn critical_speed_map(
+        &self,
+        py: Python<'_>,
+        stiffnesses: PyReadonlyArray1<'_, f64>,
+        order: f64,
+        count: Option<usize>,
+        threads: usize,
+    ) -> PyResult<Vec<Vec<CriticalRow>>> {
+        let (stiffnesses, count) = (stiffnesses.as_array().to_vec(), count.unwrap_or(usize::MAX));
+        let memory = analysis::memory_of_critical_speeds(self.model(), count);
+        let Some(largest) = stiffnesses.iter().copied().reduce(f64::max) else {
+            return Ok(Vec::new());
+        };
+        let with = |description: &SceneDescription, stiffness: f64| {
+            let bearings = description.bearings.iter().map(|bearing| bearing.with_stiffness(stiffness)).collect();
+            SceneDescription { bearings, ..description.clone() }
+        };
+        // The stiffest bearings need the finest elements. Equal elements make the shapes of all stiffnesses comparable.
+        let given = with(&self.description, largest);
+        let found = self.run(py, memory, move |cached, interrupt| {
+            let description = analysis::resolve(&given, None, interrupt)?.description;
+            let threads = Threads::new(memory.threads(&cached.model, threads), stiffnesses.len());
+            let at = |stiffness: f64| Ok(Model::new(Scene::new(&with(&description, stiffness))?)?);
+            analysis::critical_speed_map(at, &stiffnesses, order, count, &threads, interrupt)
+        })?;
+        let row = |point: &analysis::CriticalPoint| {
+            (point.critical.speed, point.critical.whirl.to_string(), point.critical.residual, point.line)
+        };
+        Ok(found.iter().map(|points| points.iter().map(row).collect()).collect())
+    }
+
+    /// Computes the synchronous response: phasors (speeds, shafts, n), bearing forces and the bow of every shaft.
+    fn synchronous<'py>(
+        &self,
+        py: Python<'py>,
+        speeds: PyReadonlyArray1<'_, f64>,
+        excitation: &str,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (speeds, part) =
+            (finite_speeds(&speeds)?, ExcitationPart::named(excitation, &EntryPath::root("excitation"))?);
+        let assembled = self.model();
+        let sources: Vec<_> = (0..assembled.shafts.len()).map(|shaft| HarmonicSource::Shaft { shaft, part }).collect();
+        let ratios: Vec<f64> = assembled.shafts.iter().map(ShaftModel::ratio_in_frame).collect();
+        let lines = ratios.iter().map(|ratio| speeds.iter().map(|speed| ratio * speed).collect()).collect();
+        let request = ResponseRequest { argument: "speeds", speeds: speeds.clone(), lines, sources };
+        let (table, unstable) = request.run(self, py, threads, move |cached, table, threads, interrupt| {
+            let peaks = local_maxima(&table.largest);
+            match analysis::unstable_ranges(cached, &speeds, &peaks, threads, interrupt) {
+                Err(AnalysisError::Interrupted) => Err(AnalysisError::Interrupted),
+                unstable => Ok(unstable),
+            }
+        })?;
+        for (index, largest) in table.largest.iter().enumerate() {
+            if let Some(text) = analysis::small_displacement_check(assembled, *largest) {
+                warn(py, format!("speeds[{index}]: {text}"))?;
+            }
         }
-    })?;
-    for (index, largest) in table.largest.iter().enumerate() {
-        if let Some(text) = analysis::small_displacement_check(assembled, *largest) {
-            warn(py, format!("speeds[{index}]: {text}"))?;
+        if let Some(text) = instability_warning(unstable) {
+            warn(py, text)?;
         }
+        let dict = table.into_dict(self, py)?;
+        let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());
+        dict.set_item("bow", bow.into_pyarray(py))?;
+        Ok(dict)
     }
-    if let Some(text) = instability_warning(unstable) {
-        warn(py, text)?;
-    }
-    let dict = table.into_dict(model, py)?;
-    let bow: Vec<Complex<f64>> = assembled.numbering.to_user_order(analysis::bow(assembled).as_slice());
-    dict.set_item("bow", bow.into_pyarray(py))?;
-    Ok(dict)
-}
 
-/// Computes the response to harmonic sources at pairs of a frequency and a speed: phasors (pairs, sources, n), bearing
-/// forces and mesh forces.
-pub fn frequency_response<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    frequencies: &PyReadonlyArray1<'_, f64>,
-    speeds: &PyReadonlyArray1<'_, f64>,
-    sources: &[description::Source],
-    threads: usize,
-) -> PyResult<Bound<'py, PyDict>> {
-    let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(speeds)?);
-    for (index, frequency) in frequencies.iter().enumerate() {
-        EntryPath::entry("frequencies", index).finite(*frequency)?;
+    /// Computes the response to harmonic sources at pairs of a frequency and a speed: phasors (pairs, sources, n), bearing
+    /// forces and mesh forces.
+    fn frequency_response<'py>(
+        &self,
+        py: Python<'py>,
+        frequencies: PyReadonlyArray1<'_, f64>,
+        speeds: PyReadonlyArray1<'_, f64>,
+        sources: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(&speeds)?);
+        for (index, frequency) in frequencies.iter().enumerate() {
+            EntryPath::entry("frequencies", index).finite(*frequency)?;
+        }
+        let sources = harmonic_sources(self.model(), sources)?;
+        let request = ResponseRequest { argument: "frequencies", speeds, lines: vec![frequencies], sources };
+        request.run(self, py, threads, |_, _, _, _| Ok(()))?.0.into_dict(self, py)
     }
-    let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(model.model(), given, index);
-    let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
-    let request = ResponseRequest { argument: "frequencies", speeds, lines: vec![frequencies], sources };
-    request.run(model, py, threads, |_, _, _, _| Ok(()))?.0.into_dict(model, py)
+
+    /// Computes (N_c, amplitude, N₁, N₂, whether the motion is stable) of every peak. `samples` are pairs of a speed, rad/s, and the
+    /// major semi-axis of the orbit there, m. N₁ or N₂ is NaN if it lies outside the speed range.
+    fn peaks(
+        &self,
+        py: Python<'_>,
+        samples: Vec<(f64, f64)>,
+        index: usize,
+        source: usize,
+        excitation: &str,
+        slow_roll: Option<f64>,
+    ) -> PyResult<Vec<PeakRow>> {
+        let part = ExcitationPart::named(excitation, &EntryPath::root("excitation"))?;
+        let samples: Vec<Sample> = samples.iter().map(|(at, value)| Sample { at: *at, value: *value }).collect();
+        let index = self.model().numbering.dofs()[index].index;
+        let probe = analysis::Probe { index, source, part, slow_roll };
+        require_peaks(samples.len())?;
+        let memory = analysis::memory_of_responses(self.model());
+        let found =
+            self.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &samples, interrupt))?;
+        let open = f64::NAN;
+        let row = |peak: &analysis::Peak| {
+            (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open), peak.is_stable)
+        };
+        Ok(found.iter().map(row).collect())
+    }
 }
 
 /// Responses to harmonic sources over a list of speeds or frequencies.
@@ -443,29 +475,4 @@ fn instability_warning(ranges: Result<Vec<[f64; 2]>, AnalysisError>) -> Option<S
         "speeds: the motion is unstable {}: a mode has negative damping, and grows until something else limits it, so that the steady response given there does not occur; find the threshold with campbell(speeds).thresholds, and stay below it or add damping",
         ranges.join(", ")
     ))
-}
-
-/// Computes (N_c, amplitude, N₁, N₂, whether the motion is stable) of every peak. `samples` are pairs of a speed, rad/s, and the
-/// major semi-axis of the orbit there, m. N₁ or N₂ is NaN if it lies outside the speed range.
-pub fn peaks(
-    model: &PyModel,
-    py: Python<'_>,
-    samples: &[(f64, f64)],
-    index: usize,
-    source: usize,
-    excitation: &str,
-    slow_roll: Option<f64>,
-) -> PyResult<Vec<PeakRow>> {
-    let part = ExcitationPart::named(excitation, &EntryPath::root("excitation"))?;
-    let samples: Vec<Sample> = samples.iter().map(|(at, value)| Sample { at: *at, value: *value }).collect();
-    let index = model.cached.model.numbering.dofs()[index].index;
-    let probe = analysis::Probe { index, source, part, slow_roll };
-    require_peaks(samples.len())?;
-    let memory = analysis::memory_of_responses(model.model());
-    let found = model.run(py, memory, move |cached, interrupt| analysis::peaks(cached, probe, &samples, interrupt))?;
-    let open = f64::NAN;
-    let row = |peak: &analysis::Peak| {
-        (peak.speed, peak.amplitude, peak.lower.unwrap_or(open), peak.upper.unwrap_or(open), peak.is_stable)
-    };
-    Ok(found.iter().map(row).collect())
 }

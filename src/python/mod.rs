@@ -1,7 +1,7 @@
 //! The Python extension module `gearbow._core`. Only this folder uses pyo3.
 //!
-//! `handle` is the class `Model`, `model` its methods, which call `frequency`, `sensitivity`, `simulate`,
-//! `steady`, `sections`, `bearing` and `geometry`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
+//! `handle` is the class `Model`; its Python methods stand in `model`, `frequency`, `sensitivity`, `sections` and `simulate`. The
+//! functions of the module stand in `steady`, `bearing` and `geometry`. Every analysis runs on a second thread (`background`), while the calling thread checks every 50 ms for Ctrl-C
 //! and for the end of the sweep to which it belongs. Options, speeds, final states and responses are serde structs
 //! (`options`, `speed`, `state`, `response`); `entries` reads them with errors that name the entry. `convert` makes plain
 //! descriptions and NumPy arrays, `errors` exceptions and warnings.
@@ -38,17 +38,11 @@ mod _core {
     #[pymodule_export]
     use super::background::panic_in_analysis;
     #[pymodule_export]
-    use super::bearing::film_coefficients;
+    use super::bearing::{
+        film_coefficients, ring_coefficients, rolling_coefficients, rolling_estimate, squeeze_force, table_at_frequency,
+    };
     #[pymodule_export]
-    use super::bearing::rolling_coefficients;
-    #[pymodule_export]
-    use super::bearing::squeeze_force;
-    #[pymodule_export]
-    use super::bearing::{ring_coefficients, rolling_estimate, table_at_frequency};
-    #[pymodule_export]
-    use super::convert::connection_channels;
-    #[pymodule_export]
-    use super::convert::require_memory;
+    use super::convert::{connection_channels, require_memory};
     #[pymodule_export]
     use super::frequency::whirl_classes;
     #[pymodule_export]
@@ -64,27 +58,10 @@ mod _core {
     #[pymodule_export]
     use super::state::check_final;
     #[pymodule_export]
-    use super::steady::PyKeptModes;
-    #[pymodule_export]
-    use super::steady::common_period;
-    #[pymodule_export]
-    use super::steady::corrected_states;
-    #[pymodule_export]
-    use super::steady::has_constant_coefficients;
-    #[pymodule_export]
-    use super::steady::initial_state;
-    #[pymodule_export]
-    use super::steady::kept_modes;
-    #[pymodule_export]
-    use super::steady::multipliers;
-    #[pymodule_export]
-    use super::steady::recorded_period;
-    #[pymodule_export]
-    use super::steady::slowest_period;
-    #[pymodule_export]
-    use super::steady::steady_state;
-    #[pymodule_export]
-    use super::steady::user_order;
+    use super::steady::{
+        PyKeptModes, common_period, corrected_states, has_constant_coefficients, initial_state, kept_modes,
+        multipliers, recorded_period, slowest_period, steady_state, user_order,
+    };
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -1,24 +1,24 @@
 //! The Python methods of `_core.Model`.
 
 use nalgebra::{Complex, DMatrix, DVector};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::Depythonizer;
 
 use super::convert::{mesh_fields, mesh_names, outside_matrix, outside_sparse, outside_vector, plain, table};
-use super::errors::{warn, warn_of_speed};
+use super::errors::warn;
 use super::handle::PyModel;
-use super::options::{RecordEntry, run_options};
-use super::state::{mesh_geometry, read_checkpoint};
-use super::{background, frequency, sections, sensitivity, simulate, speed};
-use crate::analysis::simulate::{Options, RecordPlan, round_below, sample_step};
+use super::options::{RecordEntry, record_plan};
+use super::state::mesh_geometry;
+use super::{background, speed};
+use crate::analysis::simulate::{round_below, sample_step};
 use crate::analysis::{self, AnalysisError, Dense, ElementErrors, Kept, product};
 use crate::connection::{MESH_CHANNELS, mesh_values};
 use crate::mesh::MeshLoss;
-use crate::modal::{self, AtSpeed, CachedModel, DampedMotions, ModeSelection};
+use crate::modal::{self, AtSpeed, CachedModel, ModeSelection};
 use crate::model::{Model, ShaftModel};
-use crate::scene::{EntryPath, Node, SceneDescription, SceneError, description, nearest};
+use crate::scene::{EntryPath, Node, SceneDescription, SceneError, nearest};
 
 /// Angles at which a static equilibrium gives the contact forces of a ring. The mean of their power 9/2 has converged to 1e-6.
 const CONTACT_ANGLES: usize = 720;
@@ -320,131 +320,6 @@ impl PyModel {
         Ok(dict)
     }
 
-    fn campbell<'py>(
-        &self,
-        py: Python<'py>,
-        speeds: PyReadonlyArray1<'py, f64>,
-        count: usize,
-        harmonics: u32,
-        threads: usize,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        frequency::campbell(self, py, &speeds, count, harmonics, threads)
-    }
-
-    #[pyo3(signature = (order, count=None))]
-    fn critical_speeds(&self, py: Python<'_>, order: f64, count: Option<usize>) -> PyResult<Vec<(f64, String)>> {
-        frequency::critical_speeds(self, py, order, count)
-    }
-
-    fn critical_speed_map(
-        &self,
-        py: Python<'_>,
-        stiffnesses: PyReadonlyArray1<'_, f64>,
-        order: f64,
-        count: Option<usize>,
-        threads: usize,
-    ) -> PyResult<Vec<Vec<frequency::CriticalRow>>> {
-        frequency::critical_speed_map(self, py, &stiffnesses, order, count, threads)
-    }
-
-    fn synchronous<'py>(
-        &self,
-        py: Python<'py>,
-        speeds: PyReadonlyArray1<'py, f64>,
-        excitation: &str,
-        threads: usize,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        frequency::synchronous(self, py, &speeds, excitation, threads)
-    }
-
-    fn frequency_response<'py>(
-        &self,
-        py: Python<'py>,
-        frequencies: PyReadonlyArray1<'py, f64>,
-        speeds: PyReadonlyArray1<'py, f64>,
-        sources: &Bound<'py, PyAny>,
-        threads: usize,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
-        frequency::frequency_response(self, py, &frequencies, &speeds, &sources, threads)
-    }
-
-    fn peaks(
-        &self,
-        py: Python<'_>,
-        samples: Vec<(f64, f64)>,
-        index: usize,
-        source: usize,
-        excitation: &str,
-        slow_roll: Option<f64>,
-    ) -> PyResult<Vec<frequency::PeakRow>> {
-        frequency::peaks(self, py, &samples, index, source, excitation, slow_roll)
-    }
-
-    /// Entries of the equations and outputs of a harmonic response: rows, columns and the entries of each matrix; less those of
-    /// `base`, another model with its outputs. `at` is the real and the imaginary part of the rate, and the speed.
-    #[pyo3(signature = (at, scale, sources, outputs, base=None))]
-    fn harmonic_terms<'py>(
-        &self,
-        py: Python<'py>,
-        at: (f64, f64, f64),
-        scale: f64,
-        sources: &Bound<'py, PyAny>,
-        outputs: sensitivity::Outputs<'py>,
-        base: Option<(Bound<'py, Self>, sensitivity::Outputs<'py>)>,
-    ) -> PyResult<sensitivity::Terms<'py>> {
-        let sources: Vec<description::Source> = pythonize::depythonize(sources)?;
-        let base = base.as_ref().map(|(model, outputs)| (model.get(), outputs));
-        let at = (Complex::new(at.0, at.1), at.2);
-        sensitivity::harmonic_terms(self, py, at, scale, &sources, &outputs, base)
-    }
-
-    /// Right and left vectors of an eigenvalue (real and imaginary part) at a speed.
-    fn null_vectors<'py>(
-        &self,
-        py: Python<'py>,
-        eigenvalue: (f64, f64),
-        speed: f64,
-        count: usize,
-        highest: f64,
-    ) -> PyResult<sensitivity::Vectors<'py>> {
-        let eigenvalue = Complex::new(eigenvalue.0, eigenvalue.1);
-        sensitivity::null_vectors(self, py, (eigenvalue, speed), count, highest)
-    }
-
-    /// Undamped modes for derivatives of modal damping.
-    fn damped_motions<'py>(&self, py: Python<'py>, speed: f64, highest: f64) -> PyResult<sensitivity::Motions<'py>> {
-        sensitivity::damped_motions(self, py, speed, highest)
-    }
-
-    /// Rates 2ζω, 1/s, of the modal damping of this system for modes with these ω², 1/s².
-    fn damping_rates<'py>(&self, py: Python<'py>, squares: PyReadonlyArray1<'_, f64>) -> Bound<'py, PyArray1<f64>> {
-        let squares = squares.as_array().to_vec();
-        DampedMotions::rates(&self.model().scene.modal_damping, &squares).into_pyarray(py)
-    }
-
-    fn harmonic_adjoint<'py>(
-        &self,
-        py: Python<'py>,
-        frequencies: PyReadonlyArray1<'py, f64>,
-        speeds: PyReadonlyArray1<'py, f64>,
-        outputs: sensitivity::Outputs<'py>,
-    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
-        sensitivity::harmonic_adjoint(self, py, &frequencies, &speeds, &outputs)
-    }
-
-    /// Changes of the equilibrium `state` under small forces, (forces, n).
-    fn static_changes<'py>(
-        &self,
-        py: Python<'py>,
-        geometry: &str,
-        speed: f64,
-        state: PyReadonlyArray1<'py, f64>,
-        forces: PyReadonlyArray2<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        sensitivity::static_changes(self, py, (mesh_geometry(geometry)?, speed), &state, &forces)
-    }
-
     /// The static equilibrium; or the forces at displacements `state`, with what remains unbalanced.
     #[pyo3(signature = (geometry="live", speed=0.0, state=None))]
     fn r#static<'py>(
@@ -520,35 +395,6 @@ impl PyModel {
         Ok(dict)
     }
 
-    /// The cuts at positions of a shaft, and for each the outer radius and the stresses per unit of force.
-    #[pyo3(signature = (shaft, positions=None))]
-    fn sections(&self, shaft: &str, positions: Option<Vec<f64>>) -> PyResult<Vec<(sections::SectionEntry, [f64; 4])>> {
-        sections::sections(self, shaft, positions)
-    }
-
-    /// Section forces (k, 6) at the cuts of a shaft in a state at rest.
-    fn static_section_forces<'py>(
-        &self,
-        py: Python<'py>,
-        shaft: &str,
-        positions: Option<Vec<f64>>,
-        state: PyReadonlyArray1<'py, f64>,
-        speed: f64,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        sections::static_forces(self, py, shaft, positions, &state, speed)
-    }
-
-    /// Phasors (m, k, 6) of the section forces at the cuts of a shaft in m harmonic motions.
-    fn harmonic_section_forces<'py>(
-        &self,
-        py: Python<'py>,
-        shaft: &str,
-        positions: Option<Vec<f64>>,
-        motions: sections::Motions<'py>,
-    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
-        sections::harmonic_forces(self, py, shaft, positions, &motions)
-    }
-
     /// The power that torques and drives supply at each speed, W, and (power, force, coefficient, loss) of each mesh.
     fn losses(&self, py: Python<'_>, speeds: Vec<f64>, geometry: &str) -> PyResult<Vec<(f64, Vec<[f64; 4]>)>> {
         let geometry = mesh_geometry(geometry)?;
@@ -575,33 +421,6 @@ impl PyModel {
 
     /// Memory of the record of a run with a number of times, bytes.
     fn record_bytes(&self, record: Vec<RecordEntry>, times: usize) -> PyResult<u64> {
-        let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
-        let plan = RecordPlan::new(self.model(), &requests.collect::<Result<Vec<_>, _>>()?)?;
-        Ok(plan.bytes(self.model(), times))
-    }
-
-    #[pyo3(signature = (*, initial, times, record, progress, checkpoint, **options))]
-    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
-    fn simulate<'py>(
-        &self,
-        py: Python<'py>,
-        initial: &Bound<'py, PyAny>,
-        times: PyReadonlyArray1<'py, f64>,
-        record: Vec<RecordEntry>,
-        progress: Option<Py<PyAny>>,
-        checkpoint: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
-        options: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let options = Options {
-            times: times.as_array().to_vec(),
-            checkpoint: checkpoint.map(read_checkpoint).transpose()?,
-            ..run_options(py, initial, options)?
-        };
-        if let Some(text) = options.unattainable() {
-            warn(py, text)?;
-        }
-        self.warn_of_ill_conditioning(py, self.representative_speed(options.fastest()), options.dense(self.model()))?;
-        warn_of_speed(py, &self.model().scene, options.fastest())?;
-        simulate::simulate(self, py, options, record, progress.as_ref())
+        Ok(record_plan(self.model(), record)?.bytes(self.model(), times))
     }
 }

@@ -7,7 +7,8 @@ use serde::Deserialize;
 use super::entries::{self, any_number, optional_count, text};
 use super::speed::SpeedEntries;
 use super::state::{self, mesh_geometry};
-use crate::analysis::simulate::{Initial, Method, Options, Request};
+use crate::analysis::simulate::{Initial, Method, Options, RecordPlan, Request};
+use crate::model::Model;
 use crate::scene::{Accuracy, SceneError};
 
 /// Options that are numbers and texts; `RunOptions` in `gearbow._types` lists the same entries.
@@ -83,7 +84,7 @@ pub enum RecordEntry {
 
 impl RecordEntry {
     /// Converts entry `index` of the list.
-    pub fn request(self, index: usize) -> Result<Request, SceneError> {
+    fn request(self, index: usize) -> Result<Request, SceneError> {
         Ok(match self {
             Self::Name(name) => Request::Name(name),
             Self::Node(shaft, position) => Request::OnShaft(shaft, position),
@@ -122,4 +123,10 @@ pub fn run_options(
         start: given.start,
         checkpoint: None,
     })
+}
+
+/// The quantities that a run of a model records.
+pub fn record_plan(model: &Model, record: Vec<RecordEntry>) -> PyResult<RecordPlan> {
+    let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
+    Ok(RecordPlan::new(model, &requests.collect::<Result<Vec<_>, _>>()?)?)
 }

@@ -34,40 +34,6 @@ fn in_core_order(numbering: &Numbering, outside: &[Complex64]) -> Vec<Complex64>
     part(|value| value.re).into_iter().zip(part(|value| value.im)).map(|(re, im)| Complex64::new(re, im)).collect()
 }
 
-/// The cuts at positions of a shaft, and for each the outer radius, m, and the stress at it per unit of N, 1/m², of bending moment
-/// and of torque, 1/m³.
-pub fn sections(model: &PyModel, shaft: &str, positions: Option<Vec<f64>>) -> PyResult<Vec<(SectionEntry, [f64; 4])>> {
-    let model = model.model();
-    let found = cuts(model, shaft, positions)?;
-    let entry = |cut: &Cut| {
-        let stress = &cut.stress;
-        (section_entry(model, cut), [stress.radius, stress.axial, stress.bending, stress.torsion])
-    };
-    Ok(found.iter().map(entry).collect())
-}
-
-/// Section forces (k, 6) at the cuts of a shaft in a state at rest of the system, with `speed` of the reference shaft, rad/s.
-pub fn static_forces<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    shaft: &str,
-    positions: Option<Vec<f64>>,
-    state: &PyReadonlyArray1<'py, f64>,
-    speed: f64,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let model = model.model();
-    let found = cuts(model, shaft, positions)?;
-    model.scene.refuse_section_forces(shaft)?;
-    let displacement = model.numbering.in_core_order(state.as_slice()?);
-    let rest = vec![0.0; displacement.len()];
-    let motion = Moving { displacement: &displacement, velocity: &rest, acceleration: &rest };
-    let forces = found.iter().flat_map(|cut| {
-        let turning = Turning { spin: model.shafts[cut.shaft].ratio * speed, ..Turning::default() };
-        cut.forces(&motion, turning)
-    });
-    table(py, forces.collect(), found.len(), SECTION_FORCES)
-}
-
 /// Harmonic motions: a row for each.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -81,25 +47,63 @@ pub struct Motions<'py> {
     bowed: Vec<bool>,
 }
 
-/// Phasors (m, k, 6) of the section forces at the cuts of a shaft in harmonic motions.
-pub fn harmonic_forces<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    shaft: &str,
-    positions: Option<Vec<f64>>,
-    motions: &Motions<'py>,
-) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
-    let model = model.model();
-    let found = cuts(model, shaft, positions)?;
-    model.scene.refuse_section_forces(shaft)?;
-    let mut forces = Vec::with_capacity(motions.frequencies.len() * found.len() * SECTION_FORCES);
-    let phasors = motions.phasors.as_array();
-    let rows = phasors.rows().into_iter().zip(&motions.frequencies).zip(&motions.speeds).zip(&motions.bowed);
-    for (((row, frequency), speed), is_bowed) in rows {
-        let phasors = in_core_order(&model.numbering, &row.to_vec());
-        let at = StructuralDamping { frequency: *frequency, speed: *speed };
-        let motion = Oscillating { phasors: &phasors, at, is_bowed: *is_bowed };
-        forces.extend(found.iter().flat_map(|cut| cut.oscillating(&motion)));
+#[pymethods]
+impl PyModel {
+    /// The cuts at positions of a shaft, and for each the outer radius, m, and the stress at it per unit of N, 1/m², of bending moment
+    /// and of torque, 1/m³.
+    #[pyo3(signature = (shaft, positions=None))]
+    fn sections(&self, shaft: &str, positions: Option<Vec<f64>>) -> PyResult<Vec<(SectionEntry, [f64; 4])>> {
+        let model = self.model();
+        let found = cuts(model, shaft, positions)?;
+        let entry = |cut: &Cut| {
+            let stress = &cut.stress;
+            (section_entry(model, cut), [stress.radius, stress.axial, stress.bending, stress.torsion])
+        };
+        Ok(found.iter().map(entry).collect())
     }
-    stack(py, forces, motions.frequencies.len(), found.len(), SECTION_FORCES)
+
+    /// Section forces (k, 6) at the cuts of a shaft in a state at rest of the system, with `speed` of the reference shaft, rad/s.
+    fn static_section_forces<'py>(
+        &self,
+        py: Python<'py>,
+        shaft: &str,
+        positions: Option<Vec<f64>>,
+        state: PyReadonlyArray1<'py, f64>,
+        speed: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let model = self.model();
+        let found = cuts(model, shaft, positions)?;
+        model.scene.refuse_section_forces(shaft)?;
+        let displacement = model.numbering.in_core_order(state.as_slice()?);
+        let rest = vec![0.0; displacement.len()];
+        let motion = Moving { displacement: &displacement, velocity: &rest, acceleration: &rest };
+        let forces = found.iter().flat_map(|cut| {
+            let turning = Turning { spin: model.shafts[cut.shaft].ratio * speed, ..Turning::default() };
+            cut.forces(&motion, turning)
+        });
+        table(py, forces.collect(), found.len(), SECTION_FORCES)
+    }
+
+    /// Phasors (m, k, 6) of the section forces at the cuts of a shaft in harmonic motions.
+    fn harmonic_section_forces<'py>(
+        &self,
+        py: Python<'py>,
+        shaft: &str,
+        positions: Option<Vec<f64>>,
+        motions: Motions<'py>,
+    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
+        let model = self.model();
+        let found = cuts(model, shaft, positions)?;
+        model.scene.refuse_section_forces(shaft)?;
+        let mut forces = Vec::with_capacity(motions.frequencies.len() * found.len() * SECTION_FORCES);
+        let phasors = motions.phasors.as_array();
+        let rows = phasors.rows().into_iter().zip(&motions.frequencies).zip(&motions.speeds).zip(&motions.bowed);
+        for (((row, frequency), speed), is_bowed) in rows {
+            let phasors = in_core_order(&model.numbering, &row.to_vec());
+            let at = StructuralDamping { frequency: *frequency, speed: *speed };
+            let motion = Oscillating { phasors: &phasors, at, is_bowed: *is_bowed };
+            forces.extend(found.iter().flat_map(|cut| cut.oscillating(&motion)));
+        }
+        stack(py, forces, motions.frequencies.len(), found.len(), SECTION_FORCES)
+    }
 }

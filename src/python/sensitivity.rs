@@ -11,17 +11,17 @@ use pyo3::prelude::*;
 
 use super::convert::{stack, table};
 use super::errors::caught;
-use super::frequency::finite_speeds;
+use super::frequency::{finite_speeds, harmonic_sources};
 use super::handle::PyModel;
+use super::state::mesh_geometry;
 use crate::analysis::simulate::System;
 use crate::analysis::{
     self, AnalysisError, Dense, FrequencyResponses, Harmonic, HarmonicOutputs, HarmonicSource, HarmonicSystem,
     MotionPoint, SparseEntry, TERMS,
 };
-use crate::mesh::Geometry;
-use crate::modal::{EquilibriumChange, Highest, NullVectors};
+use crate::modal::{DampedMotions, EquilibriumChange, Highest, NullVectors};
 use crate::model::{Model, StructuralDamping};
-use crate::scene::{SceneError, description};
+use crate::scene::SceneError;
 
 /// Rows, columns and entries (places, terms) of B.
 pub type Terms<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<Complex<f64>>>);
@@ -64,44 +64,10 @@ struct Given {
 }
 
 impl Given {
-    fn new(model: &PyModel, sources: &[description::Source], outputs: &Outputs<'_>) -> Result<Self, SceneError> {
-        let assembled = model.model();
-        let source = |(index, given): (usize, &description::Source)| HarmonicSource::new(assembled, given, index);
-        let sources = sources.iter().enumerate().map(source).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { cached: Arc::clone(&model.cached), sources, outputs: outputs.parse(assembled)? })
+    fn new(model: &PyModel, sources: &Bound<'_, PyAny>, outputs: &Outputs<'_>) -> PyResult<Self> {
+        let (sources, outputs) = (harmonic_sources(model.model(), sources)?, outputs.parse(model.model())?);
+        Ok(Self { cached: Arc::clone(&model.cached), sources, outputs })
     }
-}
-
-/// Entries of B at a rate λ and a speed, with a largest frequency, rad/s, less those of another model with its outputs.
-pub fn harmonic_terms<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    (rate, speed): (Complex<f64>, f64),
-    scale: f64,
-    sources: &[description::Source],
-    outputs: &Outputs<'py>,
-    base: Option<(&PyModel, &Outputs<'py>)>,
-) -> PyResult<Terms<'py>> {
-    let given = Given::new(model, sources, outputs)?;
-    let base = base.map(|(base, outputs)| Given::new(base, sources, outputs)).transpose()?;
-    Dense::Bands.require(model.model())?;
-    let terms = || -> Result<_, AnalysisError> {
-        let at_speed = given.cached.at_speed(speed)?;
-        let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(speed)).transpose()?;
-        let system = HarmonicSystem { cached: &at_speed, sources: &given.sources, outputs: &given.outputs };
-        let base = base.as_ref().zip(base_at_speed.as_ref());
-        let base = base.map(|(Given { sources, outputs, .. }, cached)| HarmonicSystem { cached, sources, outputs });
-        // A motion that decays without oscillation has no structural damping.
-        let oscillates = rate.im != 0.0 || rate.re == 0.0;
-        let structural = oscillates.then_some(StructuralDamping { frequency: rate.im, speed });
-        Ok(analysis::harmonic_terms(&system, base.as_ref(), speed, structural, scale))
-    };
-    let found = py.detach(|| caught(terms))??;
-    let integers = |values: Vec<i64>| values.into_pyarray(py);
-    let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
-    let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());
-    let values = found.iter().flat_map(|(_, _, values)| *values).collect();
-    Ok((rows, columns, table(py, values, found.len(), TERMS)?))
 }
 
 /// Right and left vectors of an eigenvalue with its slopes.
@@ -119,32 +85,6 @@ pub struct Vectors<'py> {
     is_accurate: bool,
 }
 
-/// `count` right and left vectors of an eigenvalue at a speed, with the modal damping for a highest frequency, all rad/s.
-pub fn null_vectors<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    (eigenvalue, speed): (Complex<f64>, f64),
-    count: usize,
-    highest: f64,
-) -> PyResult<Vectors<'py>> {
-    let found = model.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
-        Ok(NullVectors::new(&*cached.at_speed(speed)?, eigenvalue, speed, count, highest)?)
-    })?;
-    let numbering = &model.model().numbering;
-    let shapes = |vectors: &[DVector<Complex<f64>>]| {
-        let values = vectors.iter().flat_map(|vector| numbering.to_user_order(vector.as_slice())).collect();
-        table(py, values, vectors.len(), numbering.len())
-    };
-    let slopes = found.slopes.transpose().as_slice().to_vec();
-    Ok(Vectors {
-        right: shapes(&found.right)?,
-        left: shapes(&found.left)?,
-        slopes: table(py, slopes, found.left.len(), found.right.len())?,
-        has_more: found.has_more,
-        is_accurate: found.residual.is_accurate(),
-    })
-}
-
 /// Undamped modes for derivatives of modal damping.
 #[derive(IntoPyObject)]
 pub struct Motions<'py> {
@@ -156,50 +96,6 @@ pub struct Motions<'py> {
     squares: Bound<'py, PyArray1<f64>>,
     /// Number of modes with damping.
     damped: usize,
-}
-
-/// The undamped modes at a speed whose damping counts up to a highest frequency, both rad/s.
-pub fn damped_motions<'py>(model: &PyModel, py: Python<'py>, speed: f64, highest: f64) -> PyResult<Motions<'py>> {
-    let found = model.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
-        let cached = cached.at_speed(speed)?;
-        Ok(cached.damped_modes(speed, Highest::Frequency(highest))?.motions(&cached.model, speed)?)
-    })?;
-    let numbering = &model.model().numbering;
-    let rows = |columns: &DMatrix<f64>| {
-        let values = columns.column_iter().flat_map(|column| numbering.to_user_order(column.as_slice())).collect();
-        table(py, values, columns.ncols(), numbering.len())
-    };
-    let (shapes, momenta) = (rows(&found.shapes)?, rows(&found.momenta)?);
-    Ok(Motions { shapes, momenta, squares: found.squares.into_pyarray(py), damped: found.damped })
-}
-
-/// Adjoint solutions (pairs, outputs, n) at pairs of a frequency and a speed.
-pub fn harmonic_adjoint<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    frequencies: &PyReadonlyArray1<'_, f64>,
-    speeds: &PyReadonlyArray1<'_, f64>,
-    outputs: &Outputs<'py>,
-) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
-    let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(speeds)?);
-    let assembled = model.model();
-    let outputs = outputs.parse(assembled)?;
-    let memory = analysis::memory_of_responses(assembled);
-    let (rows, size) = (frequencies.len(), assembled.len());
-    let found = model.run(py, memory, move |cached, interrupt| {
-        let responses = FrequencyResponses::new(cached, "frequencies", frequencies.iter().copied());
-        let mut found = Vec::new();
-        for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
-            interrupt.check()?;
-            let at = Harmonic { frequency: *frequency, speed: *speed };
-            for solution in responses.adjoint(index, at, &outputs)? {
-                found.extend(cached.model.numbering.to_user_order(solution.phasors.as_slice()));
-            }
-        }
-        Ok::<_, AnalysisError>(found)
-    })?;
-    let count = found.len() / (rows * size).max(1);
-    stack(py, found, rows, count, size)
 }
 
 /// Forms (points, outputs, sources) of entries of B with adjoint solutions (points, outputs, n) and phasors (points, sources, n) at
@@ -235,22 +131,141 @@ pub fn motion_forms<'py>(
     stack(py, forms, count, outputs, sources)
 }
 
-/// Changes of an equilibrium (forces, n).
-pub fn static_changes<'py>(
-    model: &PyModel,
-    py: Python<'py>,
-    (geometry, speed): (Geometry, f64),
-    state: &PyReadonlyArray1<'_, f64>,
-    forces: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let numbering = &model.model().numbering;
-    let inside = |values: &[f64]| DVector::from_vec(numbering.in_core_order(values));
-    let state = inside(state.as_slice()?);
-    let size = state.len();
-    let forces: Vec<_> = forces.as_slice()?.chunks_exact(size.max(1)).map(inside).collect();
-    let at_speed = model.cached.at(speed, 0.0)?;
-    let change = EquilibriumChange::new(&at_speed.model, geometry, speed.into(), state);
-    let found = change.and_then(|change| change.under(&forces)).map_err(AnalysisError::from)?;
-    let values = found.iter().flat_map(|change| numbering.to_user_order(change.as_slice())).collect();
-    table(py, values, found.len(), size)
+#[pymethods]
+impl PyModel {
+    /// Entries of the equations and outputs of a harmonic response at a rate (real and imaginary part) and a speed, with a largest
+    /// frequency, rad/s: rows, columns and the entries of each matrix; less those of `base`, another model with its outputs.
+    #[pyo3(signature = (at, scale, sources, outputs, base=None))]
+    fn harmonic_terms<'py>(
+        &self,
+        py: Python<'py>,
+        at: (f64, f64, f64),
+        scale: f64,
+        sources: &Bound<'py, PyAny>,
+        outputs: Outputs<'py>,
+        base: Option<(Bound<'py, Self>, Outputs<'py>)>,
+    ) -> PyResult<Terms<'py>> {
+        let (rate, speed) = (Complex::new(at.0, at.1), at.2);
+        let given = Given::new(self, sources, &outputs)?;
+        let base = base.map(|(base, outputs)| Given::new(base.get(), sources, &outputs)).transpose()?;
+        Dense::Bands.require(self.model())?;
+        let terms = || -> Result<_, AnalysisError> {
+            let at_speed = given.cached.at_speed(speed)?;
+            let base_at_speed = base.as_ref().map(|base| base.cached.at_speed(speed)).transpose()?;
+            let system = HarmonicSystem { cached: &at_speed, sources: &given.sources, outputs: &given.outputs };
+            let base = base.as_ref().zip(base_at_speed.as_ref());
+            let base = base.map(|(Given { sources, outputs, .. }, cached)| HarmonicSystem { cached, sources, outputs });
+            // A motion that decays without oscillation has no structural damping.
+            let oscillates = rate.im != 0.0 || rate.re == 0.0;
+            let structural = oscillates.then_some(StructuralDamping { frequency: rate.im, speed });
+            Ok(analysis::harmonic_terms(&system, base.as_ref(), speed, structural, scale))
+        };
+        let found = py.detach(|| caught(terms))??;
+        let integers = |values: Vec<i64>| values.into_pyarray(py);
+        let rows = integers(found.iter().map(|(row, _, _)| *row as i64).collect());
+        let columns = integers(found.iter().map(|(_, column, _)| *column as i64).collect());
+        let values = found.iter().flat_map(|(_, _, values)| *values).collect();
+        Ok((rows, columns, table(py, values, found.len(), TERMS)?))
+    }
+
+    /// `count` right and left vectors of an eigenvalue (real and imaginary part) at a speed, with the modal damping for a highest
+    /// frequency, all rad/s.
+    fn null_vectors<'py>(
+        &self,
+        py: Python<'py>,
+        eigenvalue: (f64, f64),
+        speed: f64,
+        count: usize,
+        highest: f64,
+    ) -> PyResult<Vectors<'py>> {
+        let eigenvalue = Complex::new(eigenvalue.0, eigenvalue.1);
+        let found = self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
+            Ok(NullVectors::new(&*cached.at_speed(speed)?, eigenvalue, speed, count, highest)?)
+        })?;
+        let numbering = &self.model().numbering;
+        let shapes = |vectors: &[DVector<Complex<f64>>]| {
+            let values = vectors.iter().flat_map(|vector| numbering.to_user_order(vector.as_slice())).collect();
+            table(py, values, vectors.len(), numbering.len())
+        };
+        let slopes = found.slopes.transpose().as_slice().to_vec();
+        Ok(Vectors {
+            right: shapes(&found.right)?,
+            left: shapes(&found.left)?,
+            slopes: table(py, slopes, found.left.len(), found.right.len())?,
+            has_more: found.has_more,
+            is_accurate: found.residual.is_accurate(),
+        })
+    }
+
+    /// The undamped modes at a speed whose damping counts up to a highest frequency, both rad/s.
+    fn damped_motions<'py>(&self, py: Python<'py>, speed: f64, highest: f64) -> PyResult<Motions<'py>> {
+        let found = self.run(py, Dense::Bands, move |cached, _| -> Result<_, AnalysisError> {
+            let cached = cached.at_speed(speed)?;
+            Ok(cached.damped_modes(speed, Highest::Frequency(highest))?.motions(&cached.model, speed)?)
+        })?;
+        let numbering = &self.model().numbering;
+        let rows = |columns: &DMatrix<f64>| {
+            let values = columns.column_iter().flat_map(|column| numbering.to_user_order(column.as_slice())).collect();
+            table(py, values, columns.ncols(), numbering.len())
+        };
+        let (shapes, momenta) = (rows(&found.shapes)?, rows(&found.momenta)?);
+        Ok(Motions { shapes, momenta, squares: found.squares.into_pyarray(py), damped: found.damped })
+    }
+
+    /// Rates 2ζω, 1/s, of the modal damping of this system for modes with these ω², 1/s².
+    fn damping_rates<'py>(&self, py: Python<'py>, squares: PyReadonlyArray1<'_, f64>) -> Bound<'py, PyArray1<f64>> {
+        let squares = squares.as_array().to_vec();
+        DampedMotions::rates(&self.model().scene.modal_damping, &squares).into_pyarray(py)
+    }
+
+    /// Adjoint solutions (pairs, outputs, n) at pairs of a frequency and a speed.
+    fn harmonic_adjoint<'py>(
+        &self,
+        py: Python<'py>,
+        frequencies: PyReadonlyArray1<'py, f64>,
+        speeds: PyReadonlyArray1<'py, f64>,
+        outputs: Outputs<'py>,
+    ) -> PyResult<Bound<'py, PyArray3<Complex<f64>>>> {
+        let (frequencies, speeds) = (frequencies.as_array().to_vec(), finite_speeds(&speeds)?);
+        let assembled = self.model();
+        let outputs = outputs.parse(assembled)?;
+        let memory = analysis::memory_of_responses(assembled);
+        let (rows, size) = (frequencies.len(), assembled.len());
+        let found = self.run(py, memory, move |cached, interrupt| {
+            let responses = FrequencyResponses::new(cached, "frequencies", frequencies.iter().copied());
+            let mut found = Vec::new();
+            for (index, (frequency, speed)) in frequencies.iter().zip(&speeds).enumerate() {
+                interrupt.check()?;
+                let at = Harmonic { frequency: *frequency, speed: *speed };
+                for solution in responses.adjoint(index, at, &outputs)? {
+                    found.extend(cached.model.numbering.to_user_order(solution.phasors.as_slice()));
+                }
+            }
+            Ok::<_, AnalysisError>(found)
+        })?;
+        let count = found.len() / (rows * size).max(1);
+        stack(py, found, rows, count, size)
+    }
+
+    /// Changes of the equilibrium `state` under small forces, (forces, n).
+    fn static_changes<'py>(
+        &self,
+        py: Python<'py>,
+        geometry: &str,
+        speed: f64,
+        state: PyReadonlyArray1<'py, f64>,
+        forces: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let geometry = mesh_geometry(geometry)?;
+        let numbering = &self.model().numbering;
+        let inside = |values: &[f64]| DVector::from_vec(numbering.in_core_order(values));
+        let state = inside(state.as_slice()?);
+        let size = state.len();
+        let forces: Vec<_> = forces.as_slice()?.chunks_exact(size.max(1)).map(inside).collect();
+        let at_speed = self.cached.at(speed, 0.0)?;
+        let change = EquilibriumChange::new(&at_speed.model, geometry, speed.into(), state);
+        let found = change.and_then(|change| change.under(&forces)).map_err(AnalysisError::from)?;
+        let values = found.iter().flat_map(|change| numbering.to_user_order(change.as_slice())).collect();
+        table(py, values, found.len(), size)
+    }
 }

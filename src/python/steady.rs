@@ -12,12 +12,12 @@ use serde::Serialize;
 use super::background;
 use super::errors::{warn, warn_of_speed};
 use super::handle::PyModel;
-use super::options::{RecordEntry, run_options};
+use super::options::{RecordEntry, record_plan, run_options};
 use super::response::response_dict;
 use super::state::mesh_geometry;
-use crate::analysis::simulate::{Options, RecordPlan, Reduction};
+use crate::analysis::simulate::{Options, Reduction};
 use crate::analysis::steady::Wanted;
-use crate::analysis::{AnalysisError, equilibrium, small_displacement_check, steady};
+use crate::analysis::{equilibrium, small_displacement_check, steady};
 use crate::mesh::Geometry;
 use crate::modal::RealModes;
 use crate::scene::{EntryPath, SceneError};
@@ -77,15 +77,13 @@ pub fn steady_state<'py>(
     }
     owner.warn_of_ill_conditioning(py, owner.representative_speed(options.fastest()), options.dense(owner.model()))?;
     warn_of_speed(py, &owner.model().scene, options.fastest())?;
-    let progress = progress.as_ref();
-    let plan = record_plan(owner, record)?;
+    let plan = record_plan(owner.model(), record)?;
     plan.require_memory(owner.model(), samples)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
-    let (outcome, raised) = background::run(py, progress, move |_, watch| match slowest {
+    let found = background::reported_result(py, progress.as_ref(), move |_, watch| match slowest {
         None => steady::steady_state(&cached, &options, &recorded, samples, watch),
         Some(slowest) => steady::settled_state(&cached, &options, &recorded, slowest, samples, watch),
     })?;
-    let found = finished(outcome, raised)?;
     let largest = found.response.record.displacement.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let entries = SteadyEntries {
         period: found.period,
@@ -143,11 +141,11 @@ pub fn kept_modes(
 ) -> PyResult<Option<PyKeptModes>> {
     let (py, owner) = (model.py(), model.get());
     let options = run_options(py, initial, options)?;
-    let plan = record_plan(owner, record)?;
+    let plan = record_plan(owner.model(), record)?;
     let cached = Arc::clone(&owner.cached);
-    let (outcome, raised) =
-        background::run(py, None, move |_, watch| steady::kept_modes(&cached, &options, &plan, watch))?;
-    Ok(finished(outcome, raised)?.map(|(modes, reduction)| PyKeptModes { modes, reduction }))
+    let found =
+        background::reported_result(py, None, move |_, watch| steady::kept_modes(&cached, &options, &plan, watch))?;
+    Ok(found.map(|(modes, reduction)| PyKeptModes { modes, reduction }))
 }
 
 /// The options of a run that keeps given modes.
@@ -180,12 +178,12 @@ pub fn multipliers<'py>(
     let (py, owner) = (model.py(), model.get());
     let wanted = Wanted { smallest, only_largest };
     let options = options_with_modes(py, initial, kept, options)?;
-    let progress = progress.as_ref();
-    let plan = record_plan(owner, record)?;
+    let plan = record_plan(owner.model(), record)?;
     let cached = Arc::clone(&owner.cached);
-    let (outcome, raised) =
-        background::run(py, progress, move |_, watch| steady::multipliers(&cached, &options, &plan, wanted, watch))?;
-    Ok(PyArray1::from_vec(py, finished(outcome, raised)?))
+    let found = background::reported_result(py, progress.as_ref(), move |_, watch| {
+        steady::multipliers(&cached, &options, &plan, wanted, watch)
+    })?;
+    Ok(PyArray1::from_vec(py, found))
 }
 
 /// Corrects states, one a row, by one step of the fixed-point iteration, with given step levels; see
@@ -209,10 +207,9 @@ pub fn corrected_states<'py>(
     let states = given.rows().into_iter().map(|row| core_order(owner, &row.to_vec()));
     let states = states.collect::<PyResult<Vec<Vec<f64>>>>()?;
     let cached = Arc::clone(&owner.cached);
-    let (outcome, raised) = background::run(py, None, move |_, watch| {
+    let found = background::reported_result(py, None, move |_, watch| {
         steady::corrected_states(&cached, &options, &states, levels.as_deref(), watch)
     })?;
-    let found = finished(outcome, raised)?;
     let numbering = &owner.model().numbering;
     let rows: Vec<Vec<f64>> = found.states.iter().map(|row| by_halves(row, |q| numbering.to_user_order(q))).collect();
     Ok((PyArray2::from_vec2(py, &rows)?, PyBytes::new(py, &found.levels)))
@@ -238,8 +235,7 @@ pub fn initial_state<'py>(
     let (py, owner) = (model.py(), model.get());
     let options = run_options(py, initial, options)?;
     let cached = Arc::clone(&owner.cached);
-    let (outcome, raised) = background::run(py, None, move |_, watch| steady::initial_state(&cached, &options, watch))?;
-    let state = finished(outcome, raised)?;
+    let state = background::reported_result(py, None, move |_, watch| steady::initial_state(&cached, &options, watch))?;
     Ok(PyArray1::from_vec(py, by_halves(&state, |q| owner.model().numbering.to_user_order(q))))
 }
 
@@ -261,13 +257,13 @@ pub fn recorded_period<'py>(
     let (py, owner) = (model.py(), model.get());
     let options = options_with_modes(py, initial, kept, options)?;
     let state = core_order(owner, state.as_slice()?)?;
-    let plan = record_plan(owner, record)?;
+    let plan = record_plan(owner.model(), record)?;
     plan.require_memory(owner.model(), samples)?;
     let (cached, recorded) = (Arc::clone(&owner.cached), plan.clone());
-    let (outcome, raised) = background::run(py, None, move |_, watch| {
+    let found = background::reported_result(py, None, move |_, watch| {
         steady::recorded_period(&cached, &options, &recorded, &state, samples, watch)
     })?;
-    response_dict(owner, py, &plan, finished(outcome, raised)?)
+    response_dict(owner, py, &plan, found)
 }
 
 /// Displacements and velocities in the order of the core.
@@ -298,17 +294,4 @@ pub fn user_order<'py>(
 /// Converts displacements and velocities, the two halves of a state.
 fn by_halves(state: &[f64], convert: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
     state.chunks((state.len() / 2).max(1)).flat_map(convert).collect()
-}
-
-fn record_plan(owner: &PyModel, record: Vec<RecordEntry>) -> PyResult<RecordPlan> {
-    let requests = record.into_iter().enumerate().map(|(index, entry)| entry.request(index));
-    Ok(RecordPlan::new(owner.model(), &requests.collect::<Result<Vec<_>, _>>()?)?)
-}
-
-/// The result, or the exception that Python raised meanwhile.
-fn finished<T>(outcome: Result<T, AnalysisError>, raised: Option<PyErr>) -> PyResult<T> {
-    match (outcome, raised) {
-        (_, Some(raised)) => Err(raised),
-        (outcome, None) => Ok(outcome?),
-    }
 }

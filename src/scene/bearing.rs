@@ -6,8 +6,8 @@ use num_complex::Complex64;
 
 use super::place::Names;
 use super::{
-    Attachment, BearingCoefficient, EntryPath, Node, Nonlinear, Rolling, SceneDescription, SceneError, Shaft, complex,
-    description, nonlinear,
+    Attachment, BearingCoefficient, EntryPath, Journal, Matrix2, Node, Rolling, SceneDescription, SceneError, Shaft,
+    SpringDamper, complex, description,
 };
 
 /// A bearing.
@@ -24,9 +24,9 @@ pub struct Bearing {
     /// Index of the housing that stands for its tilting pads, whose motions are coordinates.
     pub pads: Option<usize>,
     /// Stiffness, N/m, and damping, N s/m, along the axis.
-    pub axial: [f64; 2],
+    pub axial: SpringDamper,
     /// Stiffness, N m/rad, and damping, N m s/rad, of rotations about y and z.
-    pub tilting: [f64; 2],
+    pub tilting: SpringDamper,
     /// Loss factor η of the stiffness.
     pub loss_factor: f64,
     /// Distance of the centre of the bearing from its place in the drawing, y + iz, m: the displacement of the shaft at which the
@@ -78,22 +78,12 @@ pub(super) fn bearings(
         check_ratings(bearing, &at)?;
         Ok(Bearing {
             node: names.node(shafts, &bearing.shaft, bearing.position, &at)?,
-            nonlinear: nonlinear::nonlinear(bearing, &at)?,
+            nonlinear: nonlinear(bearing, &at)?,
             pads: None,
             stiffness: BearingCoefficient::new(bearing.stiffness.as_ref(), &at.field("stiffness"))?,
             damping: BearingCoefficient::new(bearing.damping.as_ref(), &at.field("damping"))?,
-            axial: coefficients(
-                bearing.axial_stiffness,
-                bearing.axial_damping,
-                ["axial_stiffness", "axial_damping"],
-                &at,
-            )?,
-            tilting: coefficients(
-                bearing.tilting_stiffness,
-                bearing.tilting_damping,
-                ["tilting_stiffness", "tilting_damping"],
-                &at,
-            )?,
+            axial: SpringDamper::new("axial", bearing.axial_stiffness, bearing.axial_damping, &at)?,
+            tilting: SpringDamper::new("tilting", bearing.tilting_stiffness, bearing.tilting_damping, &at)?,
             loss_factor: loss_factor(bearing, &at)?,
             misalignment: misalignment(bearing, &at)?,
             attachment: attachments[index],
@@ -146,13 +136,36 @@ fn misalignment(given: &description::Bearing, at: &EntryPath) -> Result<Complex6
     Ok(found)
 }
 
-/// Stiffness and damping of a bearing in one direction; zero where the description gives none.
-fn coefficients(
-    stiffness: Option<f64>,
-    damping: Option<f64>,
-    names: [&str; 2],
-    at: &EntryPath,
-) -> Result<[f64; 2], SceneError> {
-    let read = |given: Option<f64>, name: &str| at.field(name).non_negative(given.unwrap_or(0.0));
-    Ok([read(stiffness, names[0])?, read(damping, names[1])?])
+/// A bearing whose force is a nonlinear function of the motion.
+#[derive(Clone, Debug)]
+pub enum Nonlinear {
+    /// An oil film.
+    Journal(Journal),
+    /// Rolling elements.
+    Rolling(Rolling),
+}
+
+/// Checks a nonlinear bearing outside a scene; gives its law and its damping over (y, z), N s/m. Errors begin with `bearing`.
+///
+/// # Errors
+/// [`SceneError`] as for the bearing of a scene, or for a linear bearing.
+pub fn bearing(given: &description::Bearing) -> Result<(Nonlinear, Matrix2), SceneError> {
+    let at = EntryPath::root("bearing");
+    let law = nonlinear(given, &at)?.ok_or_else(|| at.error("is a linear bearing"))?;
+    let damping = BearingCoefficient::new(given.damping.as_ref(), &at.field("damping"))?;
+    Ok((law, damping.constant().unwrap_or_default()))
+}
+
+/// The nonlinear law of a bearing; none for a linear one.
+pub(super) fn nonlinear(given: &description::Bearing, at: &EntryPath) -> Result<Option<Nonlinear>, SceneError> {
+    match Rolling::new(given, at)? {
+        Some(rolling) => {
+            if let Some(description::BearingCoefficient::Table(_)) = given.damping {
+                let message = "a rolling bearing takes no table; give a number, a pair or a 2x2 matrix";
+                return Err(at.field("damping").error(message));
+            }
+            Ok(Some(Nonlinear::Rolling(rolling)))
+        }
+        None => Ok(Journal::new(given, at)?.map(Nonlinear::Journal)),
+    }
 }

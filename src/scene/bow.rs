@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 
 use super::description::{self, BowShape};
-use super::{EntryPath, SceneError};
+use super::{EntryPath, SceneError, given};
 use crate::numerics::{Knot, PiecewiseCubic, Place, spline_slopes};
 
 /// A checked residual bow.
@@ -76,21 +76,13 @@ impl BowCurve {
 
 impl Bow {
     pub(super) fn new(given: &description::Bow, length: f64, at: &EntryPath) -> Result<Self, SceneError> {
-        let lists = [
-            ("positions", given.positions.is_some()),
-            ("amplitudes", given.amplitudes.is_some()),
-            ("phases", given.phases.is_some()),
-        ];
-        let scalars = [("amplitude", given.amplitude.is_some()), ("phase", given.phase.is_some())];
-        let number = [("number", given.number.is_some())];
-        let unused: Vec<_> = match given.shape {
-            BowShape::HalfSine | BowShape::Sag => lists.iter().chain(&number).collect(),
-            BowShape::Mode => lists.iter().collect(),
-            BowShape::Points => scalars.iter().chain(&number).collect(),
+        let lists = given![given; positions, amplitudes, phases];
+        let unused: &[(&'static str, bool)] = match given.shape {
+            BowShape::HalfSine | BowShape::Sag => &[&lists[..], &given![given; number]].concat(),
+            BowShape::Mode => &lists,
+            BowShape::Points => &given![given; amplitude, phase, number],
         };
-        if let Some((name, _)) = unused.iter().find(|(_, given)| *given) {
-            return Err(at.field(name).error("is not a parameter of this shape"));
-        }
+        at.refuse(unused, "is not a parameter of this shape")?;
         if given.shape == BowShape::Points {
             return Ok(Self::Curve(BowCurve::Points(points(given, length, at)?)));
         }

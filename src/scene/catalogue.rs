@@ -15,11 +15,10 @@
 //! roller bearing of its chapters 2 and 7 and the bearings that `tests/python/bearings/test_catalogue.py` lists; those of
 //! tapered rollers and needle cages are usual proportions.
 
+use serde::Serialize;
+
 use super::description::{Bearing, BearingKind, ContactKind};
 use super::{EntryPath, SceneError};
-
-/// Bore codes of designations that are not the bore over 5 mm, with the bore, mm.
-const SMALL_BORES: [(u32, f64); 4] = [(0, 10.0), (1, 12.0), (2, 15.0), (3, 17.0)];
 
 /// A size of a series.
 struct Size {
@@ -101,11 +100,6 @@ const SERIES: [Series; 6] = [
     Series { prefix: "320", kind: BearingKind::TaperedRoller, sizes: &SERIES_320 },
 ];
 
-/// Contact angle of an angular contact bearing that gives none, degrees.
-const ANGULAR_CONTACT_ANGLE: f64 = 40.0;
-/// Contact angle of a tapered roller bearing that gives none, degrees.
-const TAPER_ANGLE: f64 = 15.0;
-
 /// What is known of a bearing before its elements are estimated.
 struct Known {
     kind: BearingKind,
@@ -116,12 +110,16 @@ struct Known {
 }
 
 /// Elements that a kind and boundary dimensions have in the estimate.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Estimate {
     /// Kind of the bearing.
     pub kind: BearingKind,
-    /// Bore d, outside diameter D and width B, m.
-    pub boundary: [f64; 3],
+    /// Bore d, m.
+    pub bore: f64,
+    /// Outside diameter D, m.
+    pub outer: f64,
+    /// Width B, m.
+    pub width: f64,
     /// Number of elements.
     pub elements: u32,
     /// Diameter of an element, m.
@@ -160,12 +158,12 @@ pub(crate) fn estimate(given: &Bearing, at: &EntryPath) -> Result<Option<Estimat
         (None, Some(boundary)) => {
             let kind = given.kind.ok_or_else(|| at.error("missing field `kind` of a bearing with a boundary"))?;
             check_boundary(boundary, &at.field("boundary"))?;
-            let angle = match kind {
-                BearingKind::AngularContact => ANGULAR_CONTACT_ANGLE,
-                BearingKind::TaperedRoller => TAPER_ANGLE,
+            let usual_angle: f64 = match kind {
+                BearingKind::AngularContact => 40.0,
+                BearingKind::TaperedRoller => 15.0,
                 BearingKind::DeepGroove | BearingKind::CylindricalRoller | BearingKind::NeedleCage => 0.0,
             };
-            Known { kind, boundary, contact_angle: angle.to_radians() }
+            Known { kind, boundary, contact_angle: usual_angle.to_radians() }
         }
     };
     Ok(Some(elements_of(&known)))
@@ -208,8 +206,14 @@ fn designated(name: &str, at: &EntryPath) -> Result<Known, SceneError> {
     let Some((kind, size)) = found else {
         return Err(at.error(format!("\"{name}\" is not known; known are {}, without suffixes; give kind and boundary, or elements, element_diameter and pitch_diameter", known_designations())));
     };
-    let small = SMALL_BORES.iter().find(|(code, _)| *code == size.code).map(|(_, bore)| *bore);
-    let bore = small.unwrap_or(5.0 * f64::from(size.code));
+    // The code of a larger bore is the bore, mm, over 5.
+    let bore = match size.code {
+        0 => 10.0,
+        1 => 12.0,
+        2 => 15.0,
+        3 => 17.0,
+        code => 5.0 * f64::from(code),
+    };
     let boundary = [bore, size.outer, size.width].map(|length| length / 1000.0);
     Ok(Known { kind, boundary, contact_angle: size.angle.to_radians() })
 }
@@ -253,7 +257,9 @@ fn elements_of(known: &Known) -> Estimate {
     };
     Estimate {
         kind: known.kind,
-        boundary: known.boundary,
+        bore,
+        outer,
+        width,
         elements: count as u32,
         element_diameter: diameter,
         pitch_diameter: pitch,

@@ -60,6 +60,14 @@ impl<'a> EntryPath<'a> {
         SceneError::new(self, message)
     }
 
+    /// Refuses entries of this part that are given; `entries` come from [`given`].
+    pub fn refuse(&self, entries: &[(&'static str, bool)], message: &str) -> Result<(), SceneError> {
+        match entries.iter().find(|(_, is_given)| *is_given) {
+            Some((name, _)) => Err(self.field(name).error(message)),
+            None => Ok(()),
+        }
+    }
+
     /// Returns `value` if it is finite.
     pub fn finite(&self, value: f64) -> Result<f64, SceneError> {
         if value.is_finite() {
@@ -83,6 +91,12 @@ impl<'a> EntryPath<'a> {
         }
     }
 }
+
+/// The names of optional entries of a part of a description, and whether each is given.
+macro_rules! given {
+    ($part:expr; $($name:ident),* $(,)?) => { [$((stringify!($name), $part.$name.is_some())),*] };
+}
+pub(crate) use given;
 
 /// Returns the end of an error message that suggests the most similar name, or an empty text if no name is similar.
 ///

@@ -182,9 +182,7 @@ impl Scene {
             let mut nodes = bearing.nodes();
             Some([nodes.next()?.shaft, nodes.next()?.shaft])
         });
-        let acts = |coupling: &&Coupling| {
-            [coupling.lateral, coupling.tilting].iter().any(|part| part.stiffness != 0.0 || part.damping != 0.0)
-        };
+        let acts = |coupling: &&Coupling| [coupling.lateral, coupling.tilting].iter().any(|part| !part.is_zero());
         let of_couplings = self.couplings.iter().filter(acts).map(|coupling| coupling.hubs.map(|hub| hub.shaft));
         let pairs: Vec<[usize; 2]> = of_meshes.chain(of_bearings).chain(of_couplings).collect();
         let mut found = vec![shaft];

@@ -2,8 +2,6 @@
 //!
 //! A support is a housing that does not rotate, and may itself stand on a housing. The arms of the bearings follow from the positions of the shafts at rest.
 
-use std::collections::BTreeMap;
-
 use num_complex::Complex64;
 
 use super::description::{self, Base, ElasticBody, SceneDescription};
@@ -17,7 +15,7 @@ use super::{EntryPath, Journal, Matrix2, Mesh, Node, SceneError, Shaft, Squeeze,
 const MAX_SHARED_DISTANCE: f64 = 0.01;
 
 /// A rigid body on springs and dampers, on which bearings stand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Housing {
     /// Name; the path of its entry if it has none.
     pub name: String,
@@ -416,18 +414,12 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
     Ok(Housing {
         name: given.name.clone().unwrap_or_else(|| at.to_string()),
         mass: mass(given.mass, at)?,
-        inertia: None,
-        centre: [0.0; 3],
-        attachment: None,
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
         axial: axial([given.axial_stiffness, given.axial_damping], at)?,
-        rotational_stiffness: [0.0; 3],
-        rotational_damping: [0.0; 3],
         loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
         squeeze: Squeeze::new(given, at)?,
-        points: Vec::new(),
-        elastic: None,
+        ..Housing::default()
     })
 }
 
@@ -435,13 +427,7 @@ fn support(given: &description::Support, at: &EntryPath) -> Result<Housing, Scen
 pub(super) fn pads(name: String, journal: &Journal) -> Option<Housing> {
     let tilting = journal.tilting.as_ref()?;
     let count = journal.pads.len();
-    let mut body = ElasticBody {
-        frequencies: vec![0.0; count],
-        damping_ratios: Vec::new(),
-        interfaces: BTreeMap::new(),
-        translation: None,
-        radiation: None,
-    };
+    let mut body = ElasticBody { frequencies: vec![0.0; count], ..ElasticBody::default() };
     let mut along = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
     if let Some([mass, stiffness]) = tilting.spring {
         body.frequencies.extend(vec![(stiffness / mass).sqrt(); count]);
@@ -454,22 +440,7 @@ pub(super) fn pads(name: String, journal: &Journal) -> Option<Housing> {
     }
     body.damping_ratios = vec![0.0; body.frequencies.len()];
     body.translation = Some(along);
-    Some(Housing {
-        name,
-        mass: 0.0,
-        inertia: None,
-        centre: [0.0; 3],
-        attachment: None,
-        stiffness: [[0.0; 2]; 2],
-        damping: [[0.0; 2]; 2],
-        axial: None,
-        rotational_stiffness: [0.0; 3],
-        rotational_damping: [0.0; 3],
-        loss_factor: 0.0,
-        squeeze: None,
-        points: Vec::new(),
-        elastic: Some(body),
-    })
+    Some(Housing { name, elastic: Some(body), ..Housing::default() })
 }
 
 fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, SceneError> {
@@ -502,16 +473,15 @@ fn housing(given: &description::Housing, at: &EntryPath) -> Result<Housing, Scen
         mass: mass(given.mass, at)?,
         inertia: given.inertia,
         centre,
-        attachment: None,
         stiffness: checked(given.stiffness, &at.field("stiffness"))?,
         damping: given.damping.map_or(Ok([[0.0; 2]; 2]), |damping| checked(damping, &at.field("damping")))?,
         axial: axial([given.axial_stiffness, given.axial_damping], at)?,
         rotational_stiffness: given.rotational_stiffness.unwrap_or_default(),
         rotational_damping: given.rotational_damping.unwrap_or_default(),
         loss_factor: at.field("loss_factor").non_negative(given.loss_factor.unwrap_or(0.0))?,
-        squeeze: None,
         points: given.points.iter().map(point).collect::<Result<_, _>>()?,
         elastic: given.elastic.as_ref().map(|elastic| checked_body(elastic, &at.field("elastic"))).transpose()?,
+        ..Housing::default()
     })
 }
 

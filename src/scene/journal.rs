@@ -1,20 +1,20 @@
 //! Journal bearing: check of its entries.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use super::description::{self, FilmModel, Profile, Reduction, Rupture};
-use super::{EntryPath, SceneError};
+use super::{EntryPath, SceneError, given};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Ratios L/D for which the grid of the finite film is made; its errors were measured within them.
-const LENGTH_RATIOS: [f64; 2] = [0.1, 2.0];
+const LENGTH_RATIOS: RangeInclusive<f64> = 0.1..=2.0;
 /// Extents of a pad for which the grid is made, rad, or 2π.
-const EXTENTS: [f64; 2] = [0.1, 6.2];
+const EXTENTS: RangeInclusive<f64> = 0.1..=6.2;
 /// Extent of the axial grooves between the pads of a profile, rad.
 const GROOVE: f64 = TAU / 18.0;
 /// Numbers of tilting pads that hold a shaft.
-const MIN_TILTING_PADS: u32 = 3;
-const MAX_TILTING_PADS: u32 = 12;
+const TILTING_PADS: RangeInclusive<u32> = 3..=12;
 /// Usual part of the turn that tilting pads cover: 60° of 72° with five pads.
 const PAD_SHARE: f64 = 5.0 / 6.0;
 /// Preload of a profile with lobes.
@@ -150,12 +150,7 @@ impl Journal {
                 None => Err(at.error("missing field `stiffness`, or those of a journal bearing or rolling bearing")),
             };
         }
-        for (name, is_given) in [("stiffness", given.stiffness.is_some()), ("damping", given.damping.is_some())] {
-            if is_given {
-                let message = "a journal bearing takes none, its film has it; leave it out, or leave out diameter, length, clearance, viscosity and the other entries of the film";
-                return Err(at.field(name).error(message));
-            }
-        }
+        at.refuse(&given![given; stiffness, damping], "a journal bearing takes none, its film has it; leave it out, or leave out diameter, length, clearance, viscosity and the other entries of the film")?;
         let read = |(name, value): (&str, Option<f64>)| {
             let missing = || at.error(format!("missing field `{name}` of the journal bearing"));
             at.field(name).positive(value.ok_or_else(missing)?)
@@ -214,10 +209,10 @@ fn film(given: &description::Bearing, at: &EntryPath) -> Result<FilmKind, SceneE
 }
 
 fn check_length(ratio: f64, at: &EntryPath) -> Result<(), SceneError> {
-    let [least, most] = LENGTH_RATIOS;
-    if (least..=most).contains(&ratio) {
+    if LENGTH_RATIOS.contains(&ratio) {
         return Ok(());
     }
+    let (least, most) = LENGTH_RATIOS.into_inner();
     Err(at.error(format!(
         "length / diameter of a finite film must be between {least} and {most}, got {ratio}; a shorter film is film=\"short\""
     )))
@@ -225,22 +220,14 @@ fn check_length(ratio: f64, at: &EntryPath) -> Result<(), SceneError> {
 
 /// How the pads of a bearing tilt; none for a bearing of fixed geometry.
 fn tilting(given: &description::Bearing, at: &EntryPath) -> Result<Option<Tilting>, SceneError> {
-    let entries = [
-        ("pad_extent", given.pad_extent),
-        ("pad_inertia", given.pad_inertia),
-        ("pad_mass", given.pad_mass),
-        ("pivot_stiffness", given.pivot_stiffness),
-    ];
     if given.pad_count.is_none() {
-        let mut found = entries.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name);
-        return match found.next().or(given.reduced.map(|_| "reduced")) {
-            Some(name) => Err(at.field(name).error("is that of tilting pads; give pad_count")),
-            None => Ok(None),
-        };
+        let entries = given![given; pad_extent, pad_inertia, pad_mass, pivot_stiffness, reduced];
+        return at.refuse(&entries, "is that of tilting pads; give pad_count").map(|()| None);
     }
-    let [_, inertia, mass, stiffness] = entries;
-    let positive = |(name, value): (&str, Option<f64>)| value.map(|value| at.field(name).positive(value)).transpose();
-    let (inertia, mass, stiffness) = (positive(inertia)?, positive(mass)?, positive(stiffness)?);
+    let positive = |name: &str, value: Option<f64>| value.map(|value| at.field(name).positive(value)).transpose();
+    let inertia = positive("pad_inertia", given.pad_inertia)?;
+    let (mass, stiffness) =
+        (positive("pad_mass", given.pad_mass)?, positive("pivot_stiffness", given.pivot_stiffness)?);
     let spring = match (mass, stiffness) {
         (Some(mass), Some(stiffness)) => Some([mass, stiffness]),
         (None, None) => None,
@@ -263,19 +250,16 @@ fn tilting_pads(
     [length, clearance]: [f64; 2],
     at: &EntryPath,
 ) -> Result<Vec<Pad>, SceneError> {
-    let others =
-        [("profile", given.profile.is_some()), ("grooves", given.grooves.is_some()), ("pads", given.pads.is_some())];
-    if let Some((name, _)) = others.iter().find(|(_, is_given)| *is_given) {
-        return Err(at.field(name).error("a tilting-pad bearing takes none; leave it out"));
-    }
-    if !(MIN_TILTING_PADS..=MAX_TILTING_PADS).contains(&count) {
-        let message = format!("must be from {MIN_TILTING_PADS} to {MAX_TILTING_PADS}, got {count}");
+    at.refuse(&given![given; profile, grooves, pads], "a tilting-pad bearing takes none; leave it out")?;
+    if !TILTING_PADS.contains(&count) {
+        let message = format!("must be from {} to {}, got {count}", TILTING_PADS.start(), TILTING_PADS.end());
         return Err(at.field("pad_count").error(message));
     }
     let sector = TAU / f64::from(count);
     let extent = at.field("pad_extent").positive(given.pad_extent.unwrap_or(PAD_SHARE * sector))?;
-    if !(EXTENTS[0]..sector).contains(&extent) {
-        let message = format!("must be between {} and {sector:.4} rad, got {extent}; is it in degrees?", EXTENTS[0]);
+    if !(*EXTENTS.start()..sector).contains(&extent) {
+        let least = EXTENTS.start();
+        let message = format!("must be between {least} and {sector:.4} rad, got {extent}; is it in degrees?");
         return Err(at.field("pad_extent").error(message));
     }
     let preload = preload(given.preload, LOBE_PRELOAD, at)?;
@@ -298,18 +282,9 @@ fn tilting_pads(
 
 /// The pads of a bearing: those given, those between grooves, or those of a profile.
 fn pads(given: &description::Bearing, length: f64, clearance: f64, at: &EntryPath) -> Result<Vec<Pad>, SceneError> {
-    let entries = [
-        ("profile", given.profile.is_some()),
-        ("grooves", given.grooves.is_some()),
-        ("preload", given.preload.is_some()),
-        ("offset", given.offset.is_some()),
-        ("orientation", given.orientation.is_some()),
-    ];
-    let others = if given.pads.is_some() { &entries[..] } else { &[] };
-    if let Some((name, _)) = others.iter().find(|(_, is_given)| *is_given) {
-        return Err(at.field(name).error("the pads have it; leave it out, or leave out pads"));
-    }
     if let Some(pads) = &given.pads {
+        let entries = given![given; profile, grooves, preload, offset, orientation];
+        at.refuse(&entries, "the pads have it; leave it out, or leave out pads")?;
         return given_pads(pads, length, clearance, &at.field("pads"));
     }
     let profile = given.profile.unwrap_or_default();
@@ -318,11 +293,9 @@ fn pads(given: &description::Bearing, length: f64, clearance: f64, at: &EntryPat
         return Err(at.field("grooves").error("the profile has its own; leave them out, or leave out profile"));
     }
     let has_lobes = !matches!(profile, Profile::Plain | Profile::Grooves);
-    for (name, is_given) in [("preload", given.preload.is_some()), ("offset", given.offset.is_some())] {
-        if is_given && !has_lobes {
-            let message = "is that of lobes; use profile=\"lemon\", \"offset\", \"three-lobe\" or \"four-lobe\"";
-            return Err(at.field(name).error(message));
-        }
+    if !has_lobes {
+        let message = "is that of lobes; use profile=\"lemon\", \"offset\", \"three-lobe\" or \"four-lobe\"";
+        at.refuse(&given![given; preload, offset], message)?;
     }
     check_grooves(grooves, &at.field("grooves"))?;
     let orientation = at.field("orientation").finite(given.orientation.unwrap_or(0.0))?;
@@ -369,14 +342,14 @@ fn given_pads(given: &[description::Pad], length: f64, clearance: f64, at: &Entr
     let pad = |(index, pad): (usize, &description::Pad)| {
         let at = at.index(index);
         let extent = at.field("extent").positive(pad.extent)?;
-        let [least, most] = EXTENTS;
-        if !(least..=most).contains(&extent) && (extent - TAU).abs() > EQUALITY_TOLERANCE {
+        if !EXTENTS.contains(&extent) && (extent - TAU).abs() > EQUALITY_TOLERANCE {
+            let (least, most) = EXTENTS.into_inner();
             let message = format!("must be between {least} and {most} rad, or 2 pi, got {extent}; is it in degrees?");
             return Err(at.field("extent").error(message));
         }
         Ok(Pad {
             begin: at.field("begin").finite(pad.begin)?,
-            extent: if extent > most { TAU } else { extent },
+            extent: if extent > *EXTENTS.end() { TAU } else { extent },
             length: at.field("length").positive(pad.length.unwrap_or(length))?,
             clearance: at.field("clearance").positive(pad.clearance.unwrap_or(clearance))?,
             preload: preload(pad.preload, 0.0, &at)?,
@@ -409,7 +382,7 @@ fn check_grooves(grooves: &[[f64; 2]], at: &EntryPath) -> Result<(), SceneError>
         let next = order[(place + 1) % order.len()];
         let turn = if place + 1 == order.len() { TAU } else { 0.0 };
         let pad = begin(next) + turn - begin(*index) - grooves[*index][1];
-        let [least, _] = EXTENTS;
+        let least = *EXTENTS.start();
         if pad < least {
             let message = format!(
                 "leaves a pad of {pad:.4} rad to grooves[{next}], at least {least} is needed; give (angle of the middle, extent) of each groove in radians"

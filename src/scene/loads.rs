@@ -28,13 +28,33 @@ pub struct Coupling {
     pub runout: Complex64,
 }
 
-/// Stiffness and damping of a coupling in one direction.
-#[derive(Clone, Copy, Debug)]
+/// Stiffness and damping in one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringDamper {
     /// Stiffness.
     pub stiffness: f64,
     /// Damping.
     pub damping: f64,
+}
+
+impl SpringDamper {
+    /// Checks the entries `direction`_stiffness and `direction`_damping; one that is not given is zero.
+    pub(super) fn new(
+        direction: &str,
+        stiffness: Option<f64>,
+        damping: Option<f64>,
+        at: &EntryPath,
+    ) -> Result<Self, SceneError> {
+        let read = |quantity: &str, given: Option<f64>| {
+            at.field(&format!("{direction}_{quantity}")).non_negative(given.unwrap_or(0.0))
+        };
+        Ok(Self { stiffness: read("stiffness", stiffness)?, damping: read("damping", damping)? })
+    }
+
+    /// Whether it has neither.
+    pub fn is_zero(&self) -> bool {
+        self.stiffness == 0.0 && self.damping == 0.0
+    }
 }
 
 /// A torsional spring and damper between a shaft and its prescribed angle.
@@ -124,25 +144,13 @@ pub(super) fn couplings(
             let name = &shafts[hubs[0].shaft].name;
             return Err(at.field("b").error(format!("is on \"{name}\", as a is; a coupling joins two shafts")));
         }
-        let coefficient = |field, value: Option<f64>| at.field(field).non_negative(value.unwrap_or(0.0));
+        let spring = |direction, stiffness, damping| SpringDamper::new(direction, stiffness, damping, &at);
         Ok(Coupling {
             hubs,
-            axial: SpringDamper {
-                stiffness: coefficient("axial_stiffness", given.axial_stiffness)?,
-                damping: coefficient("axial_damping", given.axial_damping)?,
-            },
-            lateral: SpringDamper {
-                stiffness: coefficient("lateral_stiffness", given.lateral_stiffness)?,
-                damping: coefficient("lateral_damping", given.lateral_damping)?,
-            },
-            tilting: SpringDamper {
-                stiffness: coefficient("tilting_stiffness", given.tilting_stiffness)?,
-                damping: coefficient("tilting_damping", given.tilting_damping)?,
-            },
-            torsional: SpringDamper {
-                stiffness: coefficient("torsional_stiffness", Some(given.torsional_stiffness))?,
-                damping: coefficient("torsional_damping", given.torsional_damping)?,
-            },
+            axial: spring("axial", given.axial_stiffness, given.axial_damping)?,
+            lateral: spring("lateral", given.lateral_stiffness, given.lateral_damping)?,
+            tilting: spring("tilting", given.tilting_stiffness, given.tilting_damping)?,
+            torsional: spring("torsional", Some(given.torsional_stiffness), given.torsional_damping)?,
             offset: complex(given.offset, &at.field("offset"))?,
             angle: complex(given.angle, &at.field("angle"))?,
             runout: complex(given.runout, &at.field("runout"))?,

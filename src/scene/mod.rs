@@ -5,7 +5,7 @@
 //! balances the others. An error has the path of its entry and a message.
 //!
 //! - What the user describes: [`description`], one serde type for TOML files and Python dictionaries.
-//! - Parts: `shaft`, `material`, `bow`, `gear`, `mesh`, `teeth`, `stiffness`, `bearing`, `nonlinear`, `journal`,
+//! - Parts: `shaft`, `bow`, `gear`, `mesh`, `teeth`, `stiffness`, `bearing`, `journal`,
 //!   `rolling` (`catalogue` estimates its elements), `housing`, `loads`.
 //! - The train: `train` (speed ratios, balance of the torques), `centre_distance` (gears with profile shift), `contact`
 //!   (path of contact at rest), `place` (names and positions), `rigid` (the largest stiffness of springs), `frame`
@@ -30,10 +30,8 @@ mod hertz;
 mod housing;
 mod journal;
 mod loads;
-mod material;
 mod mesh;
 mod modal_damping;
-mod nonlinear;
 mod number;
 mod place;
 mod plausibility;
@@ -48,14 +46,13 @@ mod train;
 use num_complex::Complex64;
 
 pub use accuracy::{Accuracy, AccuracyLevel, COMPARED_DURATION, REDUCTION_SHARE, SHARE_OF_MEAN};
-pub use bearing::Bearing;
+pub use bearing::{Bearing, Nonlinear, bearing};
 pub use bow::{Bow, BowCurve};
 #[cfg(feature = "python")]
 pub(crate) use catalogue::estimate;
 pub(crate) use contact::PairGeometry;
 pub use curve::Curve;
-pub use description::Rupture;
-pub use description::{Foundation, MotionKind, STEEL, STEEL_POISSON_RATIO, SceneDescription};
+pub use description::{Foundation, MotionKind, Phase, Rupture, STEEL, STEEL_POISSON_RATIO, SceneDescription};
 pub use error::SceneError;
 pub use friction::{Friction, FrictionLaw};
 pub use gear::Gear;
@@ -63,19 +60,17 @@ pub use hertz::{LINE_CONTACT, POINT_CONTACT};
 pub use housing::{Attachment, Housing, HousingPoint};
 pub use journal::{FilmKind, Journal, Pad, Squeeze};
 pub use loads::{Coupling, Drive, Force, LoadLaw, SpringDamper, VaryingLoad};
-pub use material::Material;
 pub use mesh::{Damping, Mesh};
 pub use modal_damping::DampingRatios;
-pub use nonlinear::{Nonlinear, bearing};
 pub use number::{outside_frequencies, outside_table, range_with_rpm, short, with_rpm};
 pub use rigid::RIGID;
 pub use rolling::Rolling;
-pub use shaft::{Element, MAX_DEGREE, Shaft, Tube};
-pub use speed_table::{BearingCoefficient, Matrix2};
+pub use shaft::{Element, MAX_DEGREE, Material, Shaft, Tube};
+pub use speed_table::{BearingCoefficient, Matrix2, excluding};
 pub use stiffness::{Scale, StiffnessModel};
-pub use teeth::{Engagement, Phase, Relief, Teeth, TransmissionError};
+pub use teeth::{Engagement, Relief, Teeth, TransmissionError};
 
-pub(crate) use error::{EntryPath, nearest};
+pub(crate) use error::{EntryPath, given, nearest};
 use place::Names;
 pub(crate) use plausibility::{eccentricity, implausible_unbalance};
 
@@ -472,7 +467,7 @@ impl Scene {
     fn has_axial_motion(&self, requested: Option<MotionKind>) -> bool {
         let helical = self.meshes.iter().any(|mesh| self.gears[mesh.driver].helix_angle != 0.0);
         let loaded = self.forces.iter().any(|force| force.axial != 0.0);
-        let held = self.bearings.iter().any(|bearing| bearing.axial != [0.0; 2] || bearing.ring().is_some());
+        let held = self.bearings.iter().any(|bearing| !bearing.axial.is_zero() || bearing.ring().is_some());
         self.lateral && requested != Some(MotionKind::Lateral) && (helical || loaded || held)
     }
 }

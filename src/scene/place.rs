@@ -32,15 +32,10 @@ pub(super) struct Names<'a> {
 
 impl<'a> Names<'a> {
     pub(super) fn new(system: &'a SceneDescription) -> Result<Self, SceneError> {
-        let shafts = system.shafts.iter().map(|shaft| shaft.name.as_str());
-        let gears = system.gears.iter().map(|gear| gear.name.as_str());
-        let disks = system.disks.iter().map(|disk| disk.name.as_str());
-        let lists = shafts
-            .enumerate()
-            .map(|entry| ("shafts", entry))
-            .chain(gears.enumerate().map(|entry| ("gears", entry)))
-            .chain(disks.enumerate().map(|entry| ("disks", entry)));
-        let lists = lists.map(|(list, (index, name))| NamePlace { list, index, field: Cow::Borrowed("name"), name });
+        let shafts = system.shafts.iter().enumerate().map(|(index, shaft)| ("shafts", index, shaft.name.as_str()));
+        let bodies = bodies(system).map(|body| (body.list, body.index, body.name));
+        let lists = shafts.chain(bodies);
+        let lists = lists.map(|(list, index, name)| NamePlace { list, index, field: Cow::Borrowed("name"), name });
         let mut used: HashMap<&str, NamePlace> = HashMap::new();
         for place in lists.chain(housing_names(system)) {
             let field = |message: String| EntryPath::entry(place.list, place.index).field(&place.field).error(message);
@@ -67,11 +62,9 @@ impl<'a> Names<'a> {
             }
             used.insert(place.name, place);
         }
-        let gears = system.gears.iter().map(|gear| (gear.name.as_str(), (gear.shaft.as_str(), gear.position)));
-        let disks = system.disks.iter().map(|disk| (disk.name.as_str(), (disk.shaft.as_str(), disk.position)));
         Ok(Self {
             shafts: system.shafts.iter().enumerate().map(|(index, shaft)| (shaft.name.as_str(), index)).collect(),
-            bodies: gears.chain(disks).collect(),
+            bodies: self::bodies(system).map(|body| (body.name, (body.shaft, body.position))).collect(),
         })
     }
 
@@ -123,15 +116,10 @@ impl<'a> Names<'a> {
     /// Positions that need a node, for every shaft.
     pub(super) fn stations(&self, system: &SceneDescription) -> Result<Vec<Vec<Station>>, SceneError> {
         let mut stations = vec![Vec::new(); system.shafts.len()];
-        let gears = system.gears.iter().map(|gear| (gear.shaft.as_str(), gear.position));
-        let disks = system.disks.iter().map(|disk| (disk.shaft.as_str(), disk.position));
-        let bearings = system.bearings.iter().map(|bearing| (bearing.shaft.as_str(), bearing.position));
-        let lists = gears
-            .enumerate()
-            .map(|entry| ("gears", entry))
-            .chain(disks.enumerate().map(|entry| ("disks", entry)))
-            .chain(bearings.enumerate().map(|entry| ("bearings", entry)));
-        for (list, (index, (shaft, position))) in lists {
+        let bearings = system.bearings.iter().enumerate();
+        let bearings = bearings.map(|(index, own)| ("bearings", index, own.shaft.as_str(), own.position));
+        let lists = bodies(system).map(|body| (body.list, body.index, body.shaft, body.position)).chain(bearings);
+        for (list, index, shaft, position) in lists {
             let shaft = self.shaft(shaft, &EntryPath::entry(list, index).field("shaft"))?;
             stations[shaft].push(Station { position, list, index, field: "position" });
         }
@@ -154,6 +142,24 @@ impl<'a> Names<'a> {
         }
         Ok(stations)
     }
+}
+
+/// A gear or disk of a description.
+struct BodyEntry<'a> {
+    list: &'static str,
+    index: usize,
+    name: &'a str,
+    shaft: &'a str,
+    position: f64,
+}
+
+/// Gears, then disks.
+fn bodies(system: &SceneDescription) -> impl Iterator<Item = BodyEntry<'_>> {
+    let entry = |list, index, name, shaft, position| BodyEntry { list, index, name, shaft, position };
+    let gears = system.gears.iter().enumerate();
+    let gears = gears.map(move |(index, gear)| entry("gears", index, &*gear.name, &*gear.shaft, gear.position));
+    let disks = system.disks.iter().enumerate();
+    gears.chain(disks.map(move |(index, disk)| entry("disks", index, &disk.name, &disk.shaft, disk.position)))
 }
 
 /// Places of carriers, torques, drives, forces and couplings, with list, index and field of each.

@@ -64,8 +64,8 @@ impl Scene {
         for bearing in &mut self.bearings {
             let own = over(&mut bearing.nodes());
             bearing.stiffness.limit(RIGID * own.lateral);
-            limit(&mut bearing.axial[0], own.axial);
-            limit(&mut bearing.tilting[0], own.tilting);
+            limit(&mut bearing.axial.stiffness, own.axial);
+            limit(&mut bearing.tilting.stiffness, own.tilting);
             if let Some(Attachment::Housing { housing, point: HousingPoint::Arm(arm) }) = bearing.attachment {
                 let (sum, rotational) = &mut carried[housing];
                 *sum = sum.plus(own);

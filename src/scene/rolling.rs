@@ -1,15 +1,14 @@
 //! Rolling bearing: check of its entries.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::RangeInclusive;
 
 use super::description::{self, ContactKind};
 use super::hertz::{ball_stiffness, roller_stiffness};
-use super::{EntryPath, SceneError, catalogue};
+use super::{EntryPath, SceneError, catalogue, given};
 
-/// Fewest elements that hold the shaft in every direction.
-const MIN_ELEMENTS: u32 = 3;
-/// Most elements; the largest slewing bearings have about 300.
-const MAX_ELEMENTS: u32 = 1000;
+/// Numbers of elements: fewer do not hold the shaft in every direction; the largest slewing bearings have about 300.
+const ELEMENTS: RangeInclusive<u32> = 3..=1000;
 /// Usual radius of a groove over the diameter of its balls.
 const GROOVE_CONFORMITY: f64 = 0.52;
 
@@ -54,12 +53,9 @@ impl Rolling {
             return Ok(None);
         }
         let given = &catalogue::completed(given, at)?;
-        for (name, is_given) in given.film_entries().into_iter().chain([("stiffness", given.stiffness.is_some())]) {
-            if is_given && name != "clearance" {
-                let message = "a rolling bearing takes none; leave it out, or leave out elements, element_diameter, pitch_diameter and the other entries of a rolling bearing";
-                return Err(at.field(name).error(message));
-            }
-        }
+        let film = given.film_entries().into_iter().filter(|(name, _)| *name != "clearance");
+        let others: Vec<_> = film.chain(given![given; stiffness]).collect();
+        at.refuse(&others, "a rolling bearing takes none; leave it out, or leave out elements, element_diameter, pitch_diameter and the other entries of a rolling bearing")?;
         let needed = |name: &str, value: Option<f64>| {
             let missing = || at.error(format!("missing field `{name}` of the rolling bearing"));
             value.ok_or_else(missing)
@@ -149,9 +145,9 @@ fn axial_preload(
 
 /// Refuses elements that do not fit on the pitch circle.
 fn check_fit(elements: u32, diameter: f64, pitch: f64, at: &EntryPath) -> Result<(), SceneError> {
-    if !(MIN_ELEMENTS..=MAX_ELEMENTS).contains(&elements) {
-        let message =
-            format!("must be between {MIN_ELEMENTS} and {MAX_ELEMENTS}, got {elements}; fewer do not hold the shaft");
+    if !ELEMENTS.contains(&elements) {
+        let (least, most) = ELEMENTS.into_inner();
+        let message = format!("must be between {least} and {most}, got {elements}; fewer do not hold the shaft");
         return Err(at.field("elements").error(message));
     }
     if diameter >= pitch {
@@ -201,11 +197,7 @@ fn point_contact(
 
 /// Stiffness of a roller: the given one, or that of its length.
 fn line_stiffness(given: &description::Bearing, at: &EntryPath) -> Result<f64, SceneError> {
-    for (name, value) in [("inner_groove", given.inner_groove), ("outer_groove", given.outer_groove)] {
-        if value.is_some() {
-            return Err(at.field(name).error("a roller has none; leave it out, or give contact=\"ball\""));
-        }
-    }
+    at.refuse(&given![given; inner_groove, outer_groove], "a roller has none; leave it out, or give contact=\"ball\"")?;
     let length = given.roller_length.map(|length| at.field("roller_length").positive(length)).transpose()?;
     match (given.hertz_stiffness, length) {
         (Some(stiffness), _) => at.field("hertz_stiffness").positive(stiffness),

@@ -1,14 +1,48 @@
-//! Checks shafts and divides them into nodes and elements.
+//! Checks shafts and their materials, and divides them into nodes and elements.
 
 use std::f64::consts::PI;
 
 use super::description::{self, STEEL, SceneDescription, SleeveStiffness, SleeveStiffnessWord};
 use super::place::Names;
-use super::{Bow, EntryPath, MAX_ELEMENTS, Material, SceneError};
+use super::{Bow, EntryPath, MAX_ELEMENTS, SceneError, given};
 use crate::numerics::EQUALITY_TOLERANCE;
 
 /// Largest degree of an element.
 pub const MAX_DEGREE: usize = 8;
+
+/// A checked isotropic material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Young's modulus E, Pa.
+    pub youngs_modulus: f64,
+    /// Shear modulus G, Pa.
+    pub shear_modulus: f64,
+    /// Poisson's ratio ν.
+    pub poisson_ratio: f64,
+    /// Density ρ, kg/m³.
+    pub density: f64,
+}
+
+impl Material {
+    pub(super) fn new(given: &description::Material, at: &EntryPath) -> Result<Self, SceneError> {
+        let youngs_modulus = at.field("youngs_modulus").positive(given.youngs_modulus)?;
+        let density = at.field("density").positive(given.density)?;
+        let (shear_modulus, poisson_ratio) = match (given.shear_modulus, given.poisson_ratio) {
+            (None, Some(nu)) => (youngs_modulus / (2.0 * (1.0 + nu)), nu),
+            (Some(g), None) => {
+                let g = at.field("shear_modulus").positive(g)?;
+                (g, youngs_modulus / (2.0 * g) - 1.0)
+            }
+            _ => return Err(at.error("needs one of poisson_ratio and shear_modulus")),
+        };
+        if !(-1.0 < poisson_ratio && poisson_ratio <= 0.5) {
+            return Err(at
+                .field("poisson_ratio")
+                .error(format!("must lie above -1 and up to 0.5, got {poisson_ratio}")));
+        }
+        Ok(Self { youngs_modulus, shear_modulus, poisson_ratio, density })
+    }
+}
 
 /// A tube of one material, cylindrical or conical.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -268,18 +302,11 @@ fn degree(given: &description::Shaft, at: &EntryPath) -> Result<usize, SceneErro
 
 /// The segments of a shaft. A uniform shaft is one segment.
 fn segments(given: &description::Shaft, at: &EntryPath) -> Result<Vec<description::Segment>, SceneError> {
-    let uniform = [
-        ("length", given.length.is_some()),
-        ("outer_diameter", given.outer_diameter.is_some()),
-        ("inner_diameter", given.inner_diameter.is_some()),
-        ("elements", given.elements.is_some()),
-    ];
     let list = at.field("segments");
     let segments = match &given.segments {
         Some(segments) => {
-            if let Some((name, _)) = uniform.iter().find(|(_, given)| *given) {
-                return Err(at.field(name).error("cannot be combined with segments; give it in the segments"));
-            }
+            let uniform = given![given; length, outer_diameter, inner_diameter, elements];
+            at.refuse(&uniform, "cannot be combined with segments; give it in the segments")?;
             if segments.is_empty() {
                 return Err(list.error("at least one segment is needed"));
             }

@@ -269,7 +269,7 @@ fn value_and_slope(curve: &PiecewiseCubic<nalgebra::Matrix2<f64>>, x: f64) -> [M
 }
 
 /// A range, if a value that is not negative lies outside it.
-fn excluding([first, last]: [f64; 2], value: f64) -> Option<[f64; 2]> {
+pub fn excluding([first, last]: [f64; 2], value: f64) -> Option<[f64; 2]> {
     // A speed ratio has round-off.
     let slack = ROUND_OFF * last;
     let inside = value >= first - slack && value <= last + slack;

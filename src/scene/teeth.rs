@@ -1,6 +1,6 @@
 //! Checks how the teeth of a mesh are described: engagement, tip relief, backlash and transmission error.
 
-use super::description::{self, Foundation, StiffnessKind};
+use super::description::{self, Foundation, Phase, StiffnessKind};
 use super::friction::{self, Friction};
 use super::stiffness::{StiffnessModel, stiffness_model};
 use super::{EntryPath, Gear, SceneError};
@@ -12,17 +12,6 @@ pub enum Engagement {
     Sharp,
     /// Over this fraction of the base pitch, centred on the end of the path of contact.
     Smooth(f64),
-}
-
-/// Motions on which the position of the teeth along the path of contact depends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Rotation of the shafts, twist and motion of the gear centres, with the force ½δ² ∂k/∂q that follows. Energy is
-    /// conserved: if the torques balance, damping of the vibration slows the rigid-body rotation.
-    Twist,
-    /// Rotation of the shafts and motion of the gear centres. The stiffness is prescribed, and the drive that keeps the
-    /// speed does work through it.
-    Prescribed,
 }
 
 /// Tip relief: removal of flank material near both ends of the path of contact.
@@ -69,7 +58,7 @@ pub struct Teeth {
 }
 
 /// Default engagement, as a fraction of the base pitch. The integration to 1e-7 then needs no event.
-const DEFAULT_ENGAGEMENT: f64 = 0.1;
+pub(super) const DEFAULT_ENGAGEMENT: f64 = 0.1;
 
 impl Teeth {
     /// Checks the teeth of a mesh between the gears of `pair` on shafts of these outer radii, m.
@@ -82,7 +71,7 @@ impl Teeth {
     ) -> Result<Self, SceneError> {
         let place = at.field("stiffness");
         let model = match &given.stiffness {
-            None => description::StiffnessModel::of(StiffnessKind::Iso6336),
+            None => description::StiffnessModel::default(),
             Some(description::Stiffness::Mean(mean)) => description::StiffnessModel {
                 mean: Some(*mean),
                 ..description::StiffnessModel::of(StiffnessKind::Constant)
@@ -132,15 +121,13 @@ fn engagement(given: Option<&description::Engagement>, at: &EntryPath) -> Result
     }
 }
 
-fn phase(given: Option<description::Phase>, engagement: Engagement, at: &EntryPath) -> Result<Phase, SceneError> {
-    match (given, engagement) {
-        (Some(description::Phase::Twist), Engagement::Sharp) => {
-            Err(at
-                .error("\"twist\" needs a smooth engagement: a stiffness jump that depends on the motion is an impact"))
-        }
-        (Some(description::Phase::Twist), Engagement::Smooth(_)) => Ok(Phase::Twist),
-        _ => Ok(Phase::Prescribed),
+fn phase(given: Option<Phase>, engagement: Engagement, at: &EntryPath) -> Result<Phase, SceneError> {
+    if given == Some(Phase::Twist) && engagement == Engagement::Sharp {
+        return Err(
+            at.error("\"twist\" needs a smooth engagement: a stiffness jump that depends on the motion is an impact")
+        );
     }
+    Ok(given.unwrap_or(Phase::Prescribed))
 }
 
 fn relief(given: &description::TipRelief, pairs: bool, at: &EntryPath) -> Result<Relief, SceneError> {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::varying_loads::{VaryingLoad, varying_loads};
-use crate::connection::{Connection, Row};
+use crate::connection::{Connection, Row, along_row};
 use crate::linalg::DecompositionError;
 use crate::mesh::GearMesh;
 use crate::modal::{CachedModel, RealModes};
@@ -32,19 +32,29 @@ pub struct ExcitedMode {
     pub frequency: f64,
     /// Damping φᵀCφ, twice the rate of decay, 1/s.
     pub damping: f64,
-    /// Square of the amplitude of each signal after a step of its load.
-    pub squares: Vec<f64>,
     /// Fractions of the elastic energy in the bending, in the torsion and in the axial strain of each shaft.
     pub energy: Vec<[f64; 3]>,
 }
 
 /// A signal that a load excites.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Signal {
+    /// Square of the amplitude in each mode after a step of the load.
+    pub squares: Vec<f64>,
     /// Mean square of its variation that the modes do not cause: that of a bow which rotates.
     pub steady: f64,
     /// Whether it is a displacement.
     pub displacement: bool,
+}
+
+impl Signal {
+    fn displacement(squares: Vec<f64>) -> Self {
+        Self { squares, steady: 0.0, displacement: true }
+    }
+
+    fn force(squares: Vec<f64>) -> Self {
+        Self { squares, steady: 0.0, displacement: false }
+    }
 }
 
 /// Signals and modes of a scene.
@@ -64,28 +74,18 @@ pub fn excitation(cached: &CachedModel, largest: usize) -> Result<Excitation, De
     let model = &cached.model;
     let modes = examined_modes(cached, largest)?;
     let elastic = elastic_modes(&modes);
-    let (mut signals, mut squares) = (Vec::new(), vec![Vec::new(); elastic.len()]);
-    for mesh in 0..model.meshes.len() {
-        add_mesh(model, mesh, &elastic, &mut signals, &mut squares);
-    }
-    for load in released_loads(model) {
-        add_release(model, &load, &elastic, &mut signals, &mut squares);
-    }
-    for load in varying_loads(model) {
-        add_varying(model, &load, &elastic, &mut signals, &mut squares);
-    }
+    let mut signals: Vec<Signal> =
+        (0..model.meshes.len()).flat_map(|mesh| of_mesh_step(model, mesh, &elastic)).collect();
+    signals.extend(released_loads(model).iter().flat_map(|load| of_release(model, load, &elastic)));
+    signals.extend(varying_loads(model).iter().flat_map(|load| of_varying_load(model, load, &elastic)));
     if model.meshes.is_empty() {
-        for load in inertia_loads(model) {
-            signals.push(Signal { steady: 0.0, displacement: true });
-            for ((frequency, shape), squares) in elastic.iter().zip(&mut squares) {
-                squares.push((dot(&load, shape) / frequency).powi(4));
-            }
-        }
+        let square = |load: &[f64], (frequency, shape): &(f64, &[f64])| (dot(load, shape) / frequency).powi(4);
+        let of_load = |load: &Vec<f64>| elastic.iter().map(|mode| square(load, mode)).collect();
+        signals.extend(inertia_loads(model).iter().map(|load| Signal::displacement(of_load(load))));
     }
-    let modes = elastic.iter().zip(squares).map(|((frequency, shape), squares)| ExcitedMode {
+    let modes = elastic.iter().map(|(frequency, shape)| ExcitedMode {
         frequency: *frequency,
         damping: damping(model, *frequency, shape),
-        squares,
         energy: energy(model, *frequency, shape),
     });
     Ok(Excitation { modes: modes.collect(), signals })
@@ -133,111 +133,80 @@ fn loads(model: &Model) -> Vec<Vec<f64>> {
     loads
 }
 
-/// Adds the force of a mesh, and the displacements of its gears, after a step of the force.
-fn add_mesh(
-    model: &Model,
-    index: usize,
-    elastic: &[(f64, &[f64])],
-    signals: &mut Vec<Signal>,
-    squares: &mut [Vec<f64>],
-) {
+/// The force of a mesh, and the displacements of its gears, after a step of the force.
+fn of_mesh_step(model: &Model, index: usize, elastic: &[(f64, &[f64])]) -> Vec<Signal> {
     let mesh = &model.meshes[index];
     let deflections: Vec<f64> =
         elastic.iter().map(|(_, shape)| mesh.deflection_at_rest(model.sigma(index, 0.0), shape)).collect();
+    let modes = || elastic.iter().zip(&deflections);
     let load = model.constant_load.as_slice();
-    let static_deflection: f64 =
-        elastic.iter().zip(&deflections).map(|((w, shape), value)| value * dot(load, shape) / (w * w)).sum();
+    let static_deflection: f64 = modes().map(|((w, shape), value)| value * dot(load, shape) / (w * w)).sum();
     let step = ENGAGEMENT_STEP * mesh.stiffness * static_deflection;
-    signals.push(Signal { steady: 0.0, displacement: false });
-    for (((w, _), value), squares) in elastic.iter().zip(&deflections).zip(squares.iter_mut()) {
-        squares.push((value / w).powi(4));
-    }
+    let mut signals = vec![Signal::force(modes().map(|((w, _), value)| (value / w).powi(4)).collect())];
     for gear in [model.scene.meshes[index].driver, model.scene.meshes[index].driven] {
         let node = model.scene.gears[gear].body.node;
         let Some(v) = model.numbering.translation(node) else { continue };
-        let bow = model.shafts[node.shaft].bow.as_ref().map_or(0.0, |bow| bow[2 * node.node].norm_sqr());
-        signals.push(Signal { steady: bow, displacement: true });
-        for (((w, shape), value), squares) in elastic.iter().zip(&deflections).zip(squares.iter_mut()) {
-            squares.push((shape[v].hypot(shape[v + 1]) * value * step / (w * w)).powi(2));
-        }
+        let steady = model.shafts[node.shaft].bow.as_ref().map_or(0.0, |bow| bow[2 * node.node].norm_sqr());
+        let square = |((w, shape), value): (&(f64, &[f64]), &f64)| {
+            (shape[v].hypot(shape[v + 1]) * value * step / (w * w)).powi(2)
+        };
+        signals.push(Signal { steady, ..Signal::displacement(modes().map(square).collect()) });
     }
+    signals
 }
 
-/// Adds the displacements of gears and disks after a step of a load; without gears and disks, the RMS displacement of all
-/// masses.
-fn add_release(
-    model: &Model,
-    load: &[f64],
-    elastic: &[(f64, &[f64])],
-    signals: &mut Vec<Signal>,
-    squares: &mut [Vec<f64>],
-) {
+/// The displacements of gears and disks after a step of a load; without gears and disks, the RMS displacement of all masses.
+fn of_release(model: &Model, load: &[f64], elastic: &[(f64, &[f64])]) -> Vec<Signal> {
     let amplitudes: Vec<f64> = elastic.iter().map(|(w, shape)| dot(load, shape) / (w * w)).collect();
     let moved = lateral_motion(model, elastic, &amplitudes);
-    if moved.is_empty() {
-        add_all_masses(&amplitudes, signals, squares);
-    }
-    push_moved(&moved, true, signals, squares);
+    if moved.is_empty() { vec![all_masses(&amplitudes)] } else { significant(moved) }
 }
 
-/// Adds the lateral displacements and twists of gears and disks, and the mesh forces, that a load over time causes.
-fn add_varying(
-    model: &Model,
-    load: &VaryingLoad<'_>,
-    elastic: &[(f64, &[f64])],
-    signals: &mut Vec<Signal>,
-    squares: &mut [Vec<f64>],
-) {
+/// The mesh forces, and the lateral displacements and twists of gears and disks, that a load over time causes.
+fn of_varying_load(model: &Model, load: &VaryingLoad<'_>, elastic: &[(f64, &[f64])]) -> Vec<Signal> {
     let amplitude = |(w, shape): &(f64, &[f64])| {
-        let force: f64 = load.entries.iter().map(|(index, coefficient)| coefficient * shape[*index]).sum();
-        force * load.amplitude(*w, damping(model, *w, shape)) / (w * w)
+        along_row(&load.entries, shape) * load.amplitude(*w, damping(model, *w, shape)) / (w * w)
     };
     let amplitudes: Vec<f64> = elastic.iter().map(amplitude).collect();
     let each = |scalar: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
         elastic.iter().zip(&amplitudes).map(|((_, shape), amplitude)| (scalar(shape) * amplitude).powi(2)).collect()
     };
     let meshes = model.meshes.iter().enumerate();
-    let forces: Vec<_> =
-        meshes.map(|(i, mesh)| each(&|shape| mesh.deflection_at_rest(model.sigma(i, 0.0), shape))).collect();
+    let force = |(i, mesh): (usize, &GearMesh)| {
+        Signal::force(each(&|shape| mesh.deflection_at_rest(model.sigma(i, 0.0), shape)))
+    };
     let twisted = model.scene.bodies().filter_map(|body| model.numbering.twist(body.node));
-    let twists: Vec<_> = twisted.map(|index| each(&|shape| shape[index])).collect();
-    let moved = lateral_motion(model, elastic, &amplitudes);
-    if moved.is_empty() && twists.is_empty() && forces.is_empty() {
-        add_all_masses(&amplitudes, signals, squares);
+    let twists = twisted.map(|index| Signal::displacement(each(&|shape| shape[index]))).collect();
+    let kinds = [meshes.map(force).collect(), lateral_motion(model, elastic, &amplitudes), twists];
+    if kinds.iter().all(Vec::is_empty) {
+        return vec![all_masses(&amplitudes)];
     }
-    push_moved(&forces, false, signals, squares);
-    push_moved(&moved, true, signals, squares);
-    push_moved(&twists, true, signals, squares);
+    kinds.into_iter().flat_map(significant).collect()
 }
 
-/// Squares of the lateral displacement of each gear and disk in each mode of the given amplitudes.
-fn lateral_motion(model: &Model, elastic: &[(f64, &[f64])], amplitudes: &[f64]) -> Vec<Vec<f64>> {
+/// The lateral displacement of each gear and disk in modes of the given amplitudes.
+fn lateral_motion(model: &Model, elastic: &[(f64, &[f64])], amplitudes: &[f64]) -> Vec<Signal> {
     let bodies = model.scene.bodies().filter_map(|body| model.numbering.translation(body.node));
     let moved = bodies.map(|v| {
         let displacement = |((_, shape), amplitude): (&(f64, &[f64]), &f64)| shape[v].hypot(shape[v + 1]) * amplitude;
-        elastic.iter().zip(amplitudes).map(|pair| displacement(pair).powi(2)).collect()
+        Signal::displacement(elastic.iter().zip(amplitudes).map(|pair| displacement(pair).powi(2)).collect())
     });
     moved.collect()
 }
 
-/// Adds signals of one kind, except those that are round-off beside the largest.
-fn push_moved(moved: &[Vec<f64>], displacement: bool, signals: &mut Vec<Signal>, squares: &mut [Vec<f64>]) {
-    let sizes: Vec<f64> = moved.iter().map(|each| each.iter().sum()).collect();
-    let largest = sizes.iter().copied().fold(0.0, f64::max);
-    for (each, size) in moved.iter().zip(sizes) {
-        // A smaller displacement under the same load is round-off.
-        if size > largest * EQUALITY_TOLERANCE * EQUALITY_TOLERANCE {
-            signals.push(Signal { steady: 0.0, displacement });
-            squares.iter_mut().zip(each).for_each(|(squares, square)| squares.push(*square));
-        }
-    }
+/// The signals of one kind without those that are round-off beside the largest.
+fn significant(mut signals: Vec<Signal>) -> Vec<Signal> {
+    let size = |signal: &Signal| signal.squares.iter().sum::<f64>();
+    let largest = signals.iter().map(size).fold(0.0, f64::max);
+    // A smaller displacement under the same load is round-off.
+    signals.retain(|signal| size(signal) > largest * EQUALITY_TOLERANCE * EQUALITY_TOLERANCE);
+    signals
 }
 
-/// Adds the RMS displacement of all masses.
-fn add_all_masses(amplitudes: &[f64], signals: &mut Vec<Signal>, squares: &mut [Vec<f64>]) {
+/// The RMS displacement of all masses.
+fn all_masses(amplitudes: &[f64]) -> Signal {
     // The modes have unit modal mass, so that the sum of these squares is the mean weighted with the mass.
-    signals.push(Signal { steady: 0.0, displacement: true });
-    squares.iter_mut().zip(amplitudes).for_each(|(squares, amplitude)| squares.push(amplitude.powi(2)));
+    Signal::displacement(amplitudes.iter().map(|amplitude| amplitude.powi(2)).collect())
 }
 
 /// Loads that a run releases at its start, n entries each: bow, torques and gravity of a run from rest, the bow of a run

@@ -498,15 +498,13 @@ impl<'a> Search<'a> {
     /// The same for one stiffness of the meshes, with the relative error of the frequency of each mode.
     fn step_error(&self, excitation: &Excitation, errors: &[f64]) -> f64 {
         let Excitation { signals, modes } = excitation;
-        let mut sums: Vec<[f64; 2]> = signals.iter().map(|signal| [0.0, signal.steady * COMPARED_DURATION]).collect();
-        for (mode, error) in modes.iter().zip(errors) {
-            let [difference, response] = squares(mode, error.min(1.0));
-            for (sum, square) in sums.iter_mut().zip(&mode.squares) {
-                sum[0] += square * difference;
-                sum[1] += square * response;
+        let of_modes: Vec<_> = modes.iter().zip(errors).map(|(mode, error)| squares(mode, error.min(1.0))).collect();
+        let relative = signals.iter().map(|signal| {
+            let (mut difference, mut response) = (0.0, signal.steady * COMPARED_DURATION);
+            for (square, of_mode) in signal.squares.iter().zip(&of_modes) {
+                difference += square * of_mode[0];
+                response += square * of_mode[1];
             }
-        }
-        let relative = signals.iter().zip(&sums).map(|(signal, [difference, response])| {
             let weight = if signal.displacement { self.weight } else { 1.0 };
             weight * (difference / response.max(f64::MIN_POSITIVE)).sqrt()
         });

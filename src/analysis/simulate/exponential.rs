@@ -1,4 +1,5 @@
-//! Runs of the exponential method: the time grid and the propagators.
+//! Runs of the exponential method: the time grid, whose longest step resolves the rotation of shafts and teeth, and the
+//! propagators.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -6,7 +7,6 @@ use std::sync::Arc;
 use super::super::AnalysisError;
 use super::Options;
 use super::initial::Start;
-use super::longest_step::{RESONANT_FACTOR, STEPS_PER_CYCLE, excitation_frequency};
 use super::modal_setup::{ModalSetup, in_modal_coordinates, in_physical_coordinates};
 use super::ramp::linear_model;
 use super::run_cache::RunModel;
@@ -15,11 +15,21 @@ use crate::exponential::{
     run as integrate,
 };
 use crate::integrate::{Halted, Observer, State, Statistics};
+use crate::mesh::GearMesh;
 use crate::modal::{CachedModel, ModalStateSpace};
 use crate::model::Model;
 use crate::motion::Speed;
-use crate::scene::SceneError;
+use crate::scene::{LoadLaw, SceneError};
 
+/// Smallest number of steps per revolution, per period of the slowest mode, and per tooth whose force depends on its
+/// position.
+const STEPS_PER_CYCLE: f64 = 8.0;
+/// Smallest number of steps per tooth whose stiffness is constant while it is engaged.
+const STEPS_PER_TOOTH: f64 = 2.0;
+/// Steps per revolution where bow and unbalance act as loads, in multiples of [`STEPS_PER_CYCLE`].
+const RESONANT_FACTOR: f64 = 8.0;
+/// Largest number of intervals of a time series in one step, so that no step misses a pulse.
+const MAX_SERIES_INTERVALS: f64 = 4.0;
 /// Largest rotation of the fastest mode within the shortest substep, rad.
 const MAX_SUBSTEP_ROTATION: f64 = 0.8;
 /// Smallest and largest number of halvings from the longest step to the shortest substep.
@@ -138,6 +148,32 @@ fn time_grid(
     let [least, most] = SUBSTEP_HALVINGS;
     let substep = (longest * linear.radius / MAX_SUBSTEP_ROTATION).log2().ceil().clamp(least, most) as usize;
     Ok(TimeGrid { longest, finest: substep + FURTHER_HALVINGS, substep })
+}
+
+/// Angular frequency of shafts, teeth, rolling elements and loads at a speed, rad/s, that the longest step resolves; `turning` is the number of steps
+/// per revolution in multiples of [`STEPS_PER_CYCLE`].
+fn excitation_frequency(model: &Model, speed: f64, turning: f64) -> f64 {
+    let speed = speed.abs();
+    let turning = model.max_speed_ratio() * speed * turning;
+    let travelling = model.max_mesh_order_of(GearMesh::depends_on_tooth_position) * speed;
+    let engaging = model.max_mesh_order_of(GearMesh::switches) * speed * STEPS_PER_TOOTH / STEPS_PER_CYCLE;
+    let loads = model.loads.iter().map(|load| match &load.law {
+        LoadLaw::Turning { order, .. } => (order * load.ratio * speed).abs(),
+        LoadLaw::Force([curve, _]) | LoadLaw::Torque(curve) => {
+            TAU / (STEPS_PER_CYCLE * MAX_SERIES_INTERVALS * curve.mean_spacing())
+        }
+        LoadLaw::SpeedTorque { .. } => 0.0,
+    });
+    let passing = model
+        .nonlinear_bearings
+        .iter()
+        .filter_map(|bearing| bearing.elements().map(|count| (count as f64 * bearing.ratio * speed).abs()));
+    loads.chain(passing).fold(turning.max(travelling).max(engaging), f64::max)
+}
+
+/// Rotation of the reference shaft within the longest step at a changing speed, rad.
+pub(super) fn rotation_of_longest_step(model: &Model) -> f64 {
+    TAU / (STEPS_PER_CYCLE * excitation_frequency(model, 1.0, RESONANT_FACTOR))
 }
 
 /// The default output step, s: a twentieth of the shortest period among shafts and teeth, rounded; infinite at rest.

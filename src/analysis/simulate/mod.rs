@@ -1,11 +1,10 @@
 //! Time integration: options, initial state, methods, recording, events, energy audit, and the reason of an early stop.
 //!
 //! - What is asked: `options`, `record_plan`; `initial` is the state at the beginning, `checkpoint` that of a stopped run.
-//! - The modes of a run: `reduced_setup` → `reduction` (how many, by `pilot` runs, `known_reduction` from earlier ones)
-//!   with `ports` (the interfaces of the linear motion) → `modal_setup`; `ramp` at a changing speed. `run_cache` keeps
-//!   what the runs of a system share.
-//! - Steps: `exponential`, `longest_step`, `heartbeat` (when a run asks whether to continue); `period_map` integrates one
-//!   period with equal steps, for the steady state.
+//! - The modes of a run: `reduced_setup` → `reduction` (how many, by `pilot` runs) → `modal_setup`; `ramp` at a changing
+//!   speed. `run_cache` keeps what the runs of a system share.
+//! - Steps: `exponential`, `heartbeat` (when a run asks whether to continue); `period_map` integrates one period with equal
+//!   steps, for the steady state.
 //! - What is recorded: `record`, `events`, `audit` with `audit_piece`.
 
 mod audit;
@@ -15,13 +14,10 @@ mod events;
 mod exponential;
 mod heartbeat;
 mod initial;
-mod known_reduction;
-mod longest_step;
 mod modal_setup;
 mod options;
 mod period_map;
 mod pilot;
-mod ports;
 mod ramp;
 mod record;
 mod record_plan;
@@ -32,12 +28,12 @@ mod run_cache;
 pub use checkpoint::{Checkpoint, Margins, RecorderState};
 pub use events::{Event, EventKind};
 pub use exponential::{round_below, sample_step};
-pub use known_reduction::Reduction;
 pub use options::{Final, Initial, Method, Options, StepSetting};
 pub use period_map::kept_modes;
 pub(in crate::analysis) use period_map::{PeriodMap, with_part_map, with_period_map};
 pub use record::{AxialRecord, Record};
 pub use record_plan::{Point, RecordPlan, Request};
+pub use reduction::Reduction;
 pub use run_cache::System;
 
 use super::{AnalysisError, Spectrum};

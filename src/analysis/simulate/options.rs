@@ -31,16 +31,11 @@ impl Method {
     /// # Errors
     /// [`SceneError`] for an unknown name.
     pub fn named(name: &str) -> Result<Self, SceneError> {
-        match name {
-            "rk4" => Ok(Self::Rk4),
-            "rk45" => Ok(Self::Rk45),
-            "exponential" => Ok(Self::Exponential),
-            "etdrk4" => Ok(Self::ExactRk4),
-            _ => {
-                let message = format!("must be \"exponential\", \"rk45\", \"rk4\" or \"etdrk4\", got \"{name}\"");
-                Err(SceneError::new("method", message))
-            }
-        }
+        let all = [Self::Rk4, Self::Rk45, Self::ExactRk4, Self::Exponential];
+        all.into_iter().find(|method| method.name() == name).ok_or_else(|| {
+            let message = format!("must be \"exponential\", \"rk45\", \"rk4\" or \"etdrk4\", got \"{name}\"");
+            SceneError::new("method", message)
+        })
     }
 
     /// Name in the Python package.

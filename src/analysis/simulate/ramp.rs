@@ -6,7 +6,7 @@
 
 use super::super::AnalysisError;
 use super::Options;
-use super::longest_step::rotation_of_longest_step;
+use super::exponential::rotation_of_longest_step;
 use crate::exponential::SpeedChange;
 use crate::modal::{AtSpeed, CachedModel, CouplingChoice, EquilibriumError, RealModes, speed_couplings};
 use crate::model::Model;

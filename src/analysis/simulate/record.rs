@@ -3,7 +3,7 @@
 use super::audit::Audit;
 use super::events::{Event, EventRecorder};
 use super::{RecordPlan, RecorderState};
-use crate::connection::{MESH_CHANNELS, Row, mesh_values};
+use crate::connection::{MESH_CHANNELS, Row, along_row, mesh_values};
 use crate::exponential::{INSTANT_BATCH, MAX_WAITING};
 use crate::integrate::{Deferred, FirstOrderSystem, Halt, Trajectory};
 use crate::model::{Cut, Moving, PlaceRows, SECTION_FORCES, Turning};
@@ -420,9 +420,4 @@ fn energies(
 /// Sums of values with the coefficients of each row.
 fn along_rows(rows: &[Row; 2], values: &[f64]) -> [f64; 2] {
     rows.each_ref().map(|row| along_row(row, values))
-}
-
-/// Sum of values with the coefficients of a row.
-fn along_row(row: &Row, values: &[f64]) -> f64 {
-    row.iter().map(|(index, factor)| factor * values[*index]).sum()
 }

@@ -3,9 +3,8 @@
 use std::sync::PoisonError;
 
 use super::initial::Start;
-use super::known_reduction::{KnownReduction, Reduction, ReductionKey};
 use super::modal_setup::ModalSetup;
-use super::reduction::{Reducer, keeps_all};
+use super::reduction::{KnownReduction, Reducer, Reduction, ReductionKey, keeps_all};
 use super::{RecordPlan, Run, initial, motion, of_run};
 use crate::analysis::{AnalysisError, Spectrum};
 use crate::integrate::Observer;

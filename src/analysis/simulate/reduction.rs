@@ -6,20 +6,22 @@
 
 use std::sync::Arc;
 
+use num_complex::Complex64;
+
 use super::exponential::countable_grid;
 use super::initial::Start;
-use super::known_reduction::{KnownReduction, Reduction, excess};
 use super::modal_setup::{ModalSetup, resumes};
 use super::options::is_large;
 use super::pilot::Pilot;
-use super::ports::{coordinate_loads, excited_frequency, lines_of_action, rotating_loads};
 use super::ramp::{linear_model, reference_speed};
 use super::record::Record;
-use super::{RecordPlan, Run};
+use super::{Initial, Options, RecordPlan, Run};
 use crate::analysis::AnalysisError;
+use crate::connection::{Connection, Row};
 use crate::exponential::Selection;
 use crate::integrate::Observer;
 use crate::modal::{Extent, MIN_BANDED, Projected, StateMatrix, SubspaceKey};
+use crate::model::{Excitation, Model};
 use crate::motion::{EquationOfMotion, Speed};
 use crate::scene::{COMPARED_DURATION, SceneError};
 
@@ -44,6 +46,55 @@ const MIN_LIMIT: f64 = 2.0;
 const LIMIT_RATIO: f64 = 1.5;
 /// Largest number of L that are tried.
 const MAX_LIMITS: usize = 6;
+
+/// Largest number of recorded coordinates whose static displacement under a load is kept.
+const MAX_RECORDED: usize = 128;
+/// Harmonics of the tooth meshing frequency, or of the rotation without teeth, that count as excited.
+const EXCITED_HARMONICS: f64 = 10.0;
+
+/// A reduction of the linear motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reduction {
+    /// Number of modes that the run keeps.
+    pub modes: usize,
+    /// Estimated error of displacements and of mesh forces: RMS of the difference to all modes over RMS of the
+    /// variation, at least 2 % of the mean, for the worst recorded signal.
+    pub errors: [f64; 2],
+}
+
+/// What the reduction of a run reads beside its model.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ReductionKey {
+    /// Options of the run, without output times.
+    pub options: Options,
+    /// The recorded quantities.
+    pub plan: RecordPlan,
+    /// Whether the run may take the reduction of the system of which its model is a variation.
+    pub takes_base: bool,
+}
+
+impl ReductionKey {
+    /// The key of a run that records `plan`; `None` for a run that continues another one, whose state decides on the modes
+    /// too.
+    pub fn new(run: &Run<'_>, plan: &RecordPlan) -> Option<Self> {
+        let options = run.options;
+        if options.checkpoint.is_some() || matches!(options.initial, Initial::Continue(_)) {
+            return None;
+        }
+        let options = Options { times: Vec::new(), ..options.clone() };
+        Some(Self { options, plan: plan.clone(), takes_base: run.base.is_some() })
+    }
+}
+
+/// A reduction that a run with the same key found.
+#[derive(Clone, Debug)]
+pub(super) struct KnownReduction {
+    /// The linear motion in the modes that the run keeps.
+    pub projected: Arc<Projected>,
+    /// L, whose multiple of the highest frequency that teeth excite limits the modes; none for a given number.
+    pub limit: Option<f64>,
+    pub reduction: Reduction,
+}
 
 /// A set-up with its reduction.
 pub(super) type Reduced<'m> = (ModalSetup<'m>, KnownReduction);
@@ -302,4 +353,50 @@ impl<'m> Candidate<'m> {
 /// L whose error of mesh forces is about the target.
 fn first_limit(target: [f64; 2]) -> f64 {
     (ERROR_OF_TEETH / target[1]).sqrt().max(MIN_LIMIT)
+}
+
+/// Largest ratio of the errors to their target.
+fn excess(errors: [f64; 2], target: [f64; 2]) -> f64 {
+    (errors[0] / target[0]).max(errors[1] / target[1])
+}
+
+/// Loads of local connections along their lines of action, as entries (index, coefficient); `speed` is that of the reference shaft,
+/// rad/s.
+fn lines_of_action(model: &Model, speed: f64) -> Vec<Row> {
+    model.connections(speed).filter(Connection::is_local).flat_map(|connection| connection.rows()).collect()
+}
+
+/// Loads on the coordinates and seats of connections, bearings and links, and on recorded coordinates.
+fn coordinate_loads(model: &Model, speed: f64, selection: &Selection) -> Vec<Row> {
+    let recorded = &selection.displacements;
+    let recorded = if recorded.len() <= MAX_RECORDED { &recorded[..] } else { &[] };
+    model.coupled_loads(speed, recorded.iter().copied())
+}
+
+/// Loads of bows and of unbalances at two angles of each shaft, as entries (index, coefficient) over the displacements. At a
+/// changing speed they act on the linear motion, which must carry them. Only their shape matters: they have the length 1, so
+/// that variations of their size share a subspace.
+fn rotating_loads(model: &Model) -> Vec<Row> {
+    let parts = [Excitation::steady_amplitude, |excitation: &Excitation| excitation.unbalance];
+    let mut loads = Vec::new();
+    for (shaft, part) in model.shafts.iter().flat_map(|shaft| parts.map(|part| (shaft, part))) {
+        let size = shaft.excitations.iter().map(|excitation| part(excitation).norm_sqr()).sum::<f64>().sqrt();
+        for angle in [Complex64::ONE, Complex64::I] {
+            let entries = shaft.excitations.iter().flat_map(|excitation| {
+                let load = part(excitation) * angle / size;
+                [(excitation.index, load.re), (excitation.index + 1, load.im)]
+            });
+            if size > 0.0 {
+                loads.push(entries.collect());
+            }
+        }
+    }
+    loads
+}
+
+/// Highest angular frequency that is excited, rad/s: of the gears on their mesh stiffness, or of the harmonics of the tooth
+/// meshing frequency or of the rotation.
+fn excited_frequency(model: &Model, speed: f64) -> f64 {
+    let order = model.max_mesh_order().max(model.max_speed_ratio());
+    model.highest_mesh_frequency().max(EXCITED_HARMONICS * order * speed.abs())
 }

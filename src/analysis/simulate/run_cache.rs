@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::known_reduction::{KnownReduction, ReductionKey};
+use super::reduction::{KnownReduction, ReductionKey};
 use crate::exponential::{PropagatorCache, PropagatorKey};
 use crate::modal::{AtSpeed, CachedModel, ModalStateSpace, Recent};
 use crate::model::Model;

@@ -30,9 +30,9 @@ pub struct Loads<'m> {
     /// Interfaces of all connections.
     interfaces: Vec<Interface>,
     /// Number of interface scalars of all connections.
-    scalars: usize,
+    pub scalars: usize,
     /// Whether the interface state also contains the rates of the scalars.
-    has_rates: bool,
+    pub has_rates: bool,
     /// Complex synchronous amplitudes of all displacements, m or rad, one column for each source.
     amplitudes: DMatrix<Complex<f64>>,
     /// Complex synchronous amplitudes of the scalars and rates, source after source.
@@ -129,16 +129,6 @@ impl<'m> Loads<'m> {
         self.scalars + self.changing_counts.coupled_loads
     }
 
-    /// Number of interface scalars of the connections.
-    pub fn scalars(&self) -> usize {
-        self.scalars
-    }
-
-    /// Whether the interface state also contains the rates of the scalars.
-    pub fn has_rates(&self) -> bool {
-        self.has_rates
-    }
-
     /// Angular velocities of the sources, rad/s.
     pub fn spins(&self) -> Vec<f64> {
         self.motion.sources().iter().map(|source| source.spin).collect()
@@ -190,7 +180,6 @@ impl<'m> Loads<'m> {
     pub fn load(
         &self,
         elapsed: f64,
-        phasors: &[Complex64],
         u: &[f64],
         loads: &mut [f64],
         contacts: &mut [Contact],
@@ -213,7 +202,7 @@ impl<'m> Loads<'m> {
             from += self.changing_counts.loads;
         }
         for (load, prescribed) in loads[from..].iter_mut().zip(&self.prescribed) {
-            *load = prescribed.value(phasors);
+            *load = prescribed.value(self.motion.sources(), elapsed);
         }
         Ok(())
     }
@@ -311,9 +300,8 @@ impl<'m> Loads<'m> {
     /// Displacements and velocities of the reference plus the synchronous motion.
     pub fn reference_motion(&self, elapsed: f64) -> (DVector<f64>, DVector<f64>) {
         let (mut q, mut v) = (self.reference.clone(), DVector::zeros(self.reference.len()));
-        let mut phasors = vec![Complex64::ZERO; self.motion.sources().len()];
-        self.phasors(elapsed, &mut phasors);
-        for (index, (source, phasor)) in self.motion.sources().iter().zip(&phasors).enumerate() {
+        for (index, source) in self.motion.sources().iter().enumerate() {
+            let phasor = source.phasor(elapsed, None);
             for (i, amplitude) in self.amplitudes.column(index).iter().enumerate() {
                 let rotated = amplitude * phasor;
                 q[i] += rotated.re;

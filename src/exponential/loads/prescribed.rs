@@ -1,13 +1,12 @@
 //! Loads that do not depend on the motion: a constant load without equilibrium, and bow and unbalance at resonance.
 
 use nalgebra::DVector;
-use num_complex::Complex64;
 
 use super::rotating_source::is_resonant;
 use crate::connection::{Interface, Row};
 use crate::modal::ModalStateSpace;
 use crate::model::{Dof, DofKind};
-use crate::motion::EquationOfMotion;
+use crate::motion::{EquationOfMotion, RotatingLoad};
 
 /// A residual load below this fraction of the loads at the reference is round-off.
 const BALANCE_TOLERANCE: f64 = 1e-11;
@@ -24,13 +23,12 @@ pub(in crate::exponential) enum Prescribed {
 }
 
 impl Prescribed {
-    /// The value of the load; `phasors` holds e^{iϑ} of every source.
-    #[inline(always)]
-    pub fn value(self, phasors: &[Complex64]) -> f64 {
+    /// The value of the load at the elapsed time, s.
+    pub fn value(self, sources: &[RotatingLoad], elapsed: f64) -> f64 {
         match self {
             Self::Constant => 1.0,
-            Self::Cosine(source) => phasors[source].re,
-            Self::Sine(source) => phasors[source].im,
+            Self::Cosine(source) => sources[source].phasor(elapsed, None).re,
+            Self::Sine(source) => sources[source].phasor(elapsed, None).im,
         }
     }
 }

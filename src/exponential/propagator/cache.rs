@@ -78,7 +78,7 @@ impl PropagatorCache {
     pub fn stage_response(&self, level: usize) -> &StageResponse {
         self.stage_responses[level].get_or_init(|| {
             let phasors = stage_phasors(&self.rule, &self.time_grid, &self.spins, level);
-            StageResponse::of_pairs(self.pairs(), &self.rule, &self.maps, self.time_grid.step(level), phasors)
+            StageResponse::of_pairs(self.pairs(), &self.rule, &self.maps, self.time_grid.step(level), &phasors)
         })
     }
 

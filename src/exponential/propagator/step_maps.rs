@@ -70,20 +70,19 @@ pub struct StageResponse {
     pub along: Panel,
     /// G and Ġ: changes of −g·u and −g·u̇ under unit forces of all stages and directions, row after row.
     pub own: Vec<f64>,
-    /// e^{iΩ c_i h} of stage i and source s, at i·sources + s.
-    pub phasors: Vec<Complex64>,
     /// Interface states of the synchronous motion: for each source one column for the phasor 1 and one for i.
     pub synchronous: Panel,
 }
 
 impl StageResponse {
-    /// Computes the response of a step of length `step`, s, of a motion in mode pairs; `phasors` are e^{iΩ c_i h}.
+    /// Computes the response of a step of length `step`, s, of a motion in mode pairs; `phasors` are e^{iΩ c_i h} of every stage i
+    /// and source, stage after stage.
     pub fn of_pairs(
         pairs: &[ModePair],
         rule: &QuadratureRule,
         maps: &InterfaceMaps,
         step: f64,
-        phasors: Vec<Complex64>,
+        phasors: &[Complex64],
     ) -> Self {
         let (arch, stages, scalars, loads) = (Arch::new(), rule.stages(), maps.rows.len(), maps.columns.len());
         let bare = maps.rows.concat();
@@ -112,7 +111,7 @@ impl StageResponse {
     }
 
     /// Assembles the response from the rows of all stages and scalars, and from H_i of each stage, column after column.
-    pub fn of_rows(maps: &InterfaceMaps, rows: &[Vec<f64>], response: &[Vec<f64>], phasors: Vec<Complex64>) -> Self {
+    pub fn of_rows(maps: &InterfaceMaps, rows: &[Vec<f64>], response: &[Vec<f64>], phasors: &[Complex64]) -> Self {
         let (loads, seen) = (maps.columns.len(), maps.rows.len());
         let (stages, directions) = (response.len(), maps.tangents.len());
         // First rows of the scalars and of their rates.
@@ -149,7 +148,7 @@ impl StageResponse {
         }
         let response = response.iter().map(|columns| Panel::new(columns, seen)).collect();
         let (along, synchronous) = (Panel::new(&along, felt), Panel::new(&synchronous, stages * seen));
-        Self { rows: Rows::new(rows, &maps.parts), response, along, own, phasors, synchronous }
+        Self { rows: Rows::new(rows, &maps.parts), response, along, own, synchronous }
     }
 
     /// Change of a scalar at stage `i` under a unit load of a column (stage, load).

@@ -2,7 +2,6 @@
 //!
 //! Modal damping is a dense matrix over the displacements, but block-diagonal in these coordinates.
 
-use num_complex::Complex64;
 use pulp::Arch;
 
 use crate::exponential::loads::Loads;
@@ -24,11 +23,11 @@ pub struct InModes<'m> {
     arch: Arch,
     /// Indices of all slots: contact modes depend on every mode.
     every_slot: Vec<usize>,
-    /// Scratch: interface state, loads, contacts and phasors of an evaluation.
+    /// Scratch: interface state, loads and contacts of an evaluation, and a state within a step.
     interface_state: Vec<f64>,
     load_values: Vec<f64>,
     contacts: Vec<Contact>,
-    phasors: Vec<Complex64>,
+    state: Vec<f64>,
 }
 
 impl<'m> InModes<'m> {
@@ -41,7 +40,7 @@ impl<'m> InModes<'m> {
             interface_state: vec![0.0; loads.interface_len()],
             load_values: vec![0.0; loads.load_count()],
             contacts: vec![Contact::default(); loads.connection_count()],
-            phasors: vec![Complex64::ZERO; loads.source_count()],
+            state: vec![0.0; linear.len()],
             loads,
             linear,
             maps,
@@ -52,8 +51,15 @@ impl<'m> InModes<'m> {
     /// Computes the interface state of a state z.
     fn observe(&mut self, elapsed: f64, z: &[f64]) {
         kernel::scalars(self.arch, &self.rows, z, &mut self.interface_state);
-        self.loads.phasors(elapsed, &mut self.phasors);
-        self.loads.add_synchronous(&self.phasors, &mut self.interface_state);
+        self.loads.add_synchronous_at(elapsed, &mut self.interface_state);
+    }
+
+    /// Passes the output map and the state at each of the instants within a step to `visit`.
+    fn visit_states(&mut self, span: &Span<'_>, instants: &[f64], mut visit: impl FnMut(&mut OutputMap, &[f64])) {
+        for elapsed in instants {
+            span.write_cubic(*elapsed, &mut self.state);
+            visit(&mut self.output, &self.state);
+        }
     }
 
     /// The loads on the linear motion.
@@ -69,14 +75,7 @@ impl FirstOrderSystem for InModes<'_> {
 
     fn derivative(&mut self, elapsed: f64, z: &[f64], derivative: &mut [f64]) -> Result<(), Halt> {
         self.observe(elapsed, z);
-        self.loads.load(
-            elapsed,
-            &self.phasors,
-            &self.interface_state,
-            &mut self.load_values,
-            &mut self.contacts,
-            None,
-        )?;
+        self.loads.load(elapsed, &self.interface_state, &mut self.load_values, &mut self.contacts, None)?;
         self.linear.multiply(z, derivative);
         for (p, column) in self.load_values.iter().zip(&self.maps.columns) {
             for (derivative, b) in derivative.iter_mut().zip(column) {
@@ -140,21 +139,24 @@ impl Trajectory for ModalTrajectory<'_, '_> {
 
     fn states(&mut self, instants: &[f64], _: &[usize], q: &mut [f64], v: &mut [f64]) {
         let system = &mut *self.system;
-        system.output.interpolate(&system.loads, &self.span, instants, q, v);
+        system.visit_states(&self.span, instants, |output, z| output.gather(z));
+        system.output.read_gathered(&system.loads, instants, q, v);
     }
 
     fn accelerations(&mut self, instants: &[f64], _: &[usize], a: &mut [f64]) -> Result<(), Halt> {
         let system = &mut *self.system;
-        if let Some(map) = system.output.accelerations() {
-            map.gather_within(&self.span, instants);
-        }
+        system.visit_states(&self.span, instants, |output, z| {
+            output.accelerations.iter_mut().for_each(|map| map.gather(z));
+        });
         system.output.read_accelerations(&system.loads, instants, a)
     }
 
     fn combines(&mut self, instants: &[f64]) -> Result<bool, Halt> {
         let system = &mut *self.system;
-        let Some(map) = system.output.combinations() else { return Ok(false) };
-        map.gather_within(&self.span, instants);
+        system.visit_states(&self.span, instants, |output, z| {
+            output.combinations.iter_mut().for_each(|map| map.gather(z));
+        });
+        let Some(map) = &mut system.output.combinations else { return Ok(false) };
         map.add_loads(&system.loads, instants)?;
         Ok(true)
     }

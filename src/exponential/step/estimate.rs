@@ -1,8 +1,7 @@
 //! Error estimate of a step, from the defect of the polynomial of its loads.
 
 use super::context::StepContext;
-use super::stages::Stages;
-use super::step_point::StepPoint;
+use super::stages::{Stages, StepPoint};
 
 /// Fraction of an unresolved load that counts as error: the mean of |π| is below it.
 const UNRESOLVED_FRACTION: f64 = 0.5;

@@ -1,7 +1,7 @@
 //! One step: the loads at its stages, the state at its end, and its error.
 //!
 //! - `stepper`: the sequence of a step. `context`: the data that all steps share.
-//! - `step_point`, `stages`: the interface at the ends and at the stages of a step.
+//! - `stages`: the interface at the ends and at the stages of a step.
 //! - `solve`: the stage equations, with the correction of `tangent_solver` and the factorisations of `small_lu`.
 //! - `estimate`: the error.
 
@@ -10,7 +10,6 @@ mod estimate;
 mod small_lu;
 mod solve;
 mod stages;
-mod step_point;
 mod stepper;
 mod tangent_solver;
 

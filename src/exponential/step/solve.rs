@@ -5,8 +5,7 @@
 
 use super::context::{StepContext, StepSpan};
 use super::small_lu::{SmallLu, StageUnknowns};
-use super::stages::Stages;
-use super::step_point::StepPoint;
+use super::stages::{Stages, StepPoint};
 use super::tangent_solver::TangentSolver;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{PropagatorCache, panel_kernel};
@@ -94,9 +93,9 @@ impl LoadSolver {
             states.for_each(|state| state.copy_from_slice(&begin.interface_state));
             self.contraction = f64::INFINITY;
             // The loads are known: only their tangent is new.
-            let (phasors, load) = (&stages.phasors[..loads.source_count()], &mut stages.residual[..load_count]);
+            let load = &mut stages.residual[..load_count];
             let tangent = self.tangent_solver.tangent().split_off(loads.tangent_len());
-            loads.load(span.begin, phasors, &begin.interface_state, load, &mut self.contacts, Some(tangent))?;
+            loads.load(span.begin, &begin.interface_state, load, &mut self.contacts, Some(tangent))?;
             self.tangent_solver.repeat_first(context.stages());
             return Ok(());
         }
@@ -272,12 +271,11 @@ impl LoadSolver {
     ) -> Result<(), Halt> {
         let loads = &context.loads;
         let (coupled, load_count) = (loads.coupled_load_count(), loads.load_count());
-        let (len, sources) = (loads.interface_len(), loads.source_count());
+        let len = loads.interface_len();
         let (stage_response, step) = (context.cache.stage_response(span.level), context.step(span.level));
         let unknowns = StageUnknowns { coupled, load_count };
         self.small_lu.begin();
         for (i, node) in context.cache.rule.nodes.iter().enumerate() {
-            let phasors = &stages.phasors[i * sources..(i + 1) * sources];
             let u = &mut stages.interface_states[i * len..(i + 1) * len];
             let load = &stages.residual[i * load_count..(i + 1) * load_count];
             let time = span.begin + node * step;
@@ -288,7 +286,7 @@ impl LoadSolver {
                 u[k] += increment;
                 let moved = u[k] - original;
                 let slopes = self.small_lu.slopes(load_count);
-                let outcome = loads.load(time, phasors, u, slopes, &mut self.contacts, None);
+                let outcome = loads.load(time, u, slopes, &mut self.contacts, None);
                 u[k] = original;
                 outcome?;
                 for (slope, load) in slopes.iter_mut().zip(load) {

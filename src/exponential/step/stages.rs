@@ -1,6 +1,4 @@
-//! Loads and interface states at the stages of a step.
-
-use num_complex::Complex64;
+//! Loads and interface states at the stages and at the ends of a step.
 
 use super::context::{SourcePhasors, StepContext, StepSpan};
 use crate::connection::Tangent;
@@ -22,8 +20,6 @@ pub(in crate::exponential) struct Stages {
     pub interface_states: Vec<f64>,
     /// Interface states without the loads of the step: w e^{A c_i h} z and the synchronous motion.
     pub homogeneous_response: Vec<f64>,
-    /// Phasors e^{iϑ} of the sources, used only if loads depend on them.
-    pub phasors: Vec<Complex64>,
     /// Contacts of all connections, stage after stage.
     pub contacts: Vec<Contact>,
     /// Whether `loads` have changed since `interface_states` were computed.
@@ -36,17 +32,15 @@ impl Stages {
     /// Allocates a number of stages.
     pub fn new(loads: &Loads<'_>, stages: usize) -> Self {
         let (len, states) = (stages * loads.load_count(), stages * loads.interface_len());
-        let sources = loads.source_count();
         Self {
             loads: vec![0.0; len],
             evaluated_loads: vec![0.0; len],
             residual: vec![0.0; len],
             interface_states: vec![0.0; states],
             homogeneous_response: vec![0.0; states],
-            phasors: vec![Complex64::ZERO; stages * sources],
             contacts: vec![Contact::default(); stages * loads.connection_count()],
             stale: false,
-            phasor_parts: vec![0.0; 2 * sources],
+            phasor_parts: vec![0.0; 2 * loads.source_count()],
         }
     }
 
@@ -69,12 +63,6 @@ impl Stages {
         }
         let synchronous = &stage_response.synchronous;
         panel_kernel::accumulate_panel(context.arch, synchronous, &self.phasor_parts, &mut self.homogeneous_response);
-        if context.loads.is_resonant() {
-            let factors = phasors.values.iter().cycle().zip(&stage_response.phasors);
-            for (at_stage, (phasor, rotation)) in self.phasors.iter_mut().zip(factors) {
-                *at_stage = phasor * rotation;
-            }
-        }
     }
 
     /// Computes the interface state of stage `i` under the current loads.
@@ -113,12 +101,11 @@ impl Stages {
     ) -> Result<(), Halt> {
         let loads = &context.loads;
         let (load_count, len) = (loads.load_count(), loads.interface_len());
-        let (connections, sources) = (loads.connection_count(), loads.source_count());
+        let connections = loads.connection_count();
         let time = span.begin + context.cache.rule.nodes[i] * context.step(span.level);
         let (u, load) =
             (&self.interface_states[i * len..(i + 1) * len], &mut self.residual[i * load_count..(i + 1) * load_count]);
-        let phasors = &self.phasors[i * sources..(i + 1) * sources];
-        loads.load(time, phasors, u, load, &mut self.contacts[i * connections..(i + 1) * connections], tangent)
+        loads.load(time, u, load, &mut self.contacts[i * connections..(i + 1) * connections], tangent)
     }
 
     /// Evaluates the loads of all stages into `residual`, and their tangent, stage after stage.
@@ -152,6 +139,53 @@ impl Stages {
             self.loads[of_stage.clone()].swap_with_slice(&mut self.residual[of_stage]);
         }
         statistics.evaluations += stages as u64;
+        Ok(())
+    }
+}
+
+/// Interface state, loads and contacts at one instant.
+#[derive(Clone, Debug)]
+pub struct StepPoint {
+    /// Interface scalars (m, or rad), then their rates where loads depend on them.
+    pub interface_state: Vec<f64>,
+    /// Loads on the scalars (N, or N·m), then the prescribed loads.
+    pub load: Vec<f64>,
+    /// Contacts of all connections.
+    pub contacts: Vec<Contact>,
+    /// Twice the mesh energy that |z|² does not contain, J.
+    pub mesh_energy: f64,
+}
+
+impl StepPoint {
+    /// Allocates a point.
+    pub fn new(loads: &Loads<'_>) -> Self {
+        Self {
+            interface_state: vec![0.0; loads.interface_len()],
+            load: vec![0.0; loads.load_count()],
+            contacts: vec![Contact::default(); loads.connection_count()],
+            mesh_energy: 0.0,
+        }
+    }
+
+    /// Evaluates the interface of the state `z`.
+    ///
+    /// # Errors
+    /// [`Halt`] where the loads are not defined.
+    pub fn evaluate(
+        &mut self,
+        context: &StepContext<'_>,
+        phasors: &mut SourcePhasors,
+        elapsed: f64,
+        z: &[f64],
+        statistics: &mut Statistics,
+    ) -> Result<(), Halt> {
+        let loads = &context.loads;
+        context.observe(z, &mut self.interface_state);
+        self.mesh_energy = context.mesh_energy(&self.interface_state);
+        phasors.update(loads, elapsed);
+        loads.add_synchronous(&phasors.values, &mut self.interface_state);
+        loads.load(elapsed, &self.interface_state, &mut self.load, &mut self.contacts, None)?;
+        statistics.evaluations += 1;
         Ok(())
     }
 }

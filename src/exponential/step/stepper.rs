@@ -5,8 +5,7 @@ use std::sync::Arc;
 use super::context::{SourcePhasors, StepContext, StepInstant, StepSpan};
 use super::estimate::ErrorEstimator;
 use super::solve::LoadSolver;
-use super::stages::Stages;
-use super::step_point::StepPoint;
+use super::stages::{Stages, StepPoint};
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{MAX_STAGES, PointValues, PropagatorCache, TimeGrid, kernel};
 use crate::integrate::{Halt, Statistics};
@@ -269,9 +268,7 @@ impl<'m> Stepper<'m> {
         interface_state: &[f64],
         out: &mut [f64],
     ) -> Result<(), Halt> {
-        let loads = &self.context.loads;
-        self.phasors.update(loads, elapsed);
-        loads.load(elapsed, &self.phasors.values, interface_state, out, &mut self.contacts, None)
+        self.context.loads.load(elapsed, interface_state, out, &mut self.contacts, None)
     }
 
     /// Energy norm of the rate of the state under the load defect at an instant of the last step, where its motion is

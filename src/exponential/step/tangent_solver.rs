@@ -57,7 +57,7 @@ impl TangentSolver {
             let own = scalars.clone().map(|scalar| unknown / directions * load_count + scalar);
             own.zip(gradient).for_each(|(at, g)| column[at] = -g);
         }
-        let kinds = if loads.has_rates() { 2 } else { 1 };
+        let kinds = if loads.has_rates { 2 } else { 1 };
         let entries = entries(loads, kinds, stages, directions);
         Self {
             residual_tangent: vec![f64::NAN; entries.len()],
@@ -132,7 +132,7 @@ impl TangentSolver {
     /// states. Returns whether the correction exists. The interface states are scratch afterwards.
     pub fn predict(&mut self, context: &StepContext<'_>, level: usize, stages: &mut Stages) -> bool {
         let loads = &context.loads;
-        let (len, rates) = (loads.interface_len(), loads.scalars());
+        let (len, rates) = (loads.interface_len(), loads.scalars);
         let (stage_response, tangents) = (context.cache.stage_response(level), &context.cache.maps.tangents);
         if !self.factorize(level, &stage_response.own) || self.idle {
             return self.solvable;

@@ -1,16 +1,13 @@
 //! The motion within a completed step, and what observers read of it.
 //!
-//! - `substep`: the state at instants within a step, with the modes of `substep_modes` under the polynomials of
-//!   `load_polynomials`.
+//! - `substep`: the state at instants within a step.
 //! - `trajectory`: a completed step. `output`: displacements and velocities; accelerations and other `combinations`;
 //!   scalars of the motion (`state_map`).
 
 mod combinations;
-mod load_polynomials;
 mod output;
 mod state_map;
 mod substep;
-mod substep_modes;
 mod trajectory;
 
 pub use output::{INSTANT_BATCH, MAX_WAITING, OutputMap, Selection};

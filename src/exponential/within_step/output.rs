@@ -7,7 +7,7 @@ use super::combinations::CombinationMap;
 use super::state_map::StateMap;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::{InterfaceMaps, Rows};
-use crate::integrate::{Deferred, Halt, Span, at_each};
+use crate::integrate::{Deferred, Halt, at_each};
 use crate::linalg::semidefinite_root;
 use crate::modal::ModalStateSpace;
 use crate::model::Combination;
@@ -49,13 +49,13 @@ pub struct OutputMap {
     /// The displacements, then the velocities, m or rad and m/s or rad/s.
     map: StateMap,
     /// The map to the coordinates from which powers follow.
-    powers: Option<Box<OutputMap>>,
+    pub(super) powers: Option<Box<OutputMap>>,
     /// The map to the energies of the shafts.
-    energies: Option<Box<ShaftEnergies>>,
+    pub(super) energies: Option<Box<ShaftEnergies>>,
     /// The map to the accelerations, if a run reads any.
-    accelerations: Option<Box<CombinationMap>>,
+    pub(in crate::exponential) accelerations: Option<Box<CombinationMap>>,
     /// The map to the combinations, if a run reads any.
-    combinations: Option<Box<CombinationMap>>,
+    pub(in crate::exponential) combinations: Option<Box<CombinationMap>>,
     /// The map to scalars whose squares are the power of the distributed damping, if a run reads powers.
     damping: Option<StateMap>,
 }
@@ -95,24 +95,14 @@ impl OutputMap {
         sums: &[Vec<(usize, f64)>],
     ) -> Self {
         let single = |index: &usize| vec![(*index, 1.0)];
-        let mut scalars: Vec<_> = displacements.iter().map(|index| (single(index), false)).collect();
-        scalars.extend(sums.iter().map(|entries| (entries.clone(), false)));
-        scalars.extend(velocities.iter().map(|index| (single(index), true)));
+        let scalars = displacements.iter().map(single).chain(sums.iter().cloned());
+        let scalars = scalars.map(|displacement| Combination { displacement, ..Combination::default() });
+        let rates = velocities.iter().map(|index| Combination { velocity: single(index), ..Combination::default() });
+        let combinations: Vec<_> = scalars.chain(rates).collect();
         let first = loads.reference.len();
         displacements.extend(first..first + sums.len());
-        let rows: Vec<_> = scalars.iter().map(|(entries, rate)| linear.row(entries, *rate)).collect();
-        let amplitude = |source: usize, entries: &[(usize, f64)], rate: bool| -> Complex64 {
-            entries.iter().map(|(index, factor)| loads.amplitude(source, *index, rate) * factor).sum()
-        };
-        let sources = loads.source_count();
-        let amplitudes = (0..sources)
-            .flat_map(|source| scalars.iter().map(move |(entries, rate)| amplitude(source, entries, *rate)))
-            .collect();
-        let at_reference =
-            |entries: &[(usize, f64)]| entries.iter().map(|(index, factor)| loads.reference[*index] * factor).sum();
-        let reference = scalars.iter().map(|(entries, rate)| if *rate { 0.0 } else { at_reference(entries) }).collect();
         Self {
-            map: StateMap::new(Rows::new(&rows, &linear.parts), reference, amplitudes, sources),
+            map: StateMap::of(loads, linear, &combinations),
             displacements,
             velocities,
             accelerated: Vec::new(),
@@ -124,36 +114,14 @@ impl OutputMap {
         }
     }
 
-    /// The map to the coordinates from which powers follow, if there is one.
-    pub(in crate::exponential) fn powers(&mut self) -> Option<&mut Self> {
-        self.powers.as_deref_mut()
-    }
-
-    /// The energies of the shafts, if a run records them.
-    pub(in crate::exponential) fn energies(&mut self) -> Option<&mut ShaftEnergies> {
-        self.energies.as_deref_mut()
-    }
-
     /// The map that reads all selected coordinates at every output, also those from which only the energies of the shafts
     /// follow.
     pub(in crate::exponential) fn complete(self) -> Self {
+        let Self { accelerated, accelerations, combinations, .. } = self;
         match self.energies {
-            Some(energies) => {
-                let Self { accelerated, accelerations, combinations, .. } = self;
-                Self { accelerated, accelerations, combinations, ..energies.into_output() }
-            }
-            None => self,
+            Some(energies) => Self { accelerated, accelerations, combinations, ..energies.output },
+            None => Self { accelerated, accelerations, combinations, ..self },
         }
-    }
-
-    /// The map to the accelerations, if a run reads any.
-    pub(in crate::exponential) fn accelerations(&mut self) -> Option<&mut CombinationMap> {
-        self.accelerations.as_deref_mut()
-    }
-
-    /// The map to the combinations, if a run reads any.
-    pub(in crate::exponential) fn combinations(&mut self) -> Option<&mut CombinationMap> {
-        self.combinations.as_deref_mut()
     }
 
     /// Evaluates the waiting instants in one batch and passes the results to `receive`. It waits for a full batch, unless `all`
@@ -217,8 +185,17 @@ impl OutputMap {
         q: &mut [f64],
         v: &mut [f64],
     ) {
-        let values = self.map.evaluate(loads, instants);
-        write(&self.displacements, &self.velocities, values, instants, q, v);
+        for (values, (_, q, v)) in self.map.evaluate(loads, instants).zip(at_each(instants, q, v)) {
+            let (displacements, velocities) = values.split_at(self.displacements.len());
+            for (index, value) in self.displacements.iter().zip(displacements) {
+                if let Some(q) = q.get_mut(*index) {
+                    *q = *value;
+                }
+            }
+            for (index, value) in self.velocities.iter().zip(velocities) {
+                v[*index] = *value;
+            }
+        }
         if let Some(damping) = &mut self.damping {
             // Without distributed damping, there are no values.
             let powers = damping.evaluate(loads, instants).map(|values| values.iter().map(|x| x * x).sum());
@@ -226,19 +203,6 @@ impl OutputMap {
                 q[q.len() - 1] = power;
             }
         }
-    }
-
-    /// Writes the selected coordinates at instants within a step, by the cubic through the states and rates at both ends.
-    pub(in crate::exponential) fn interpolate(
-        &mut self,
-        loads: &Loads<'_>,
-        span: &Span<'_>,
-        instants: &[f64],
-        q: &mut [f64],
-        v: &mut [f64],
-    ) {
-        let values = self.map.interpolate(loads, span, instants);
-        write(&self.displacements, &self.velocities, values, instants, q, v);
     }
 }
 
@@ -267,11 +231,6 @@ impl ShaftEnergies {
             v: vec![0.0; MAX_WAITING * len],
             unbent: vec![0.0; len],
         }
-    }
-
-    /// The map to all coordinates.
-    pub fn into_output(self) -> OutputMap {
-        self.output
     }
 
     /// Adds the state z at an instant.
@@ -313,27 +272,6 @@ fn distributed_damping(loads: &Loads<'_>, linear: &ModalStateSpace) -> StateMap 
     let amplitude =
         |source: usize, row: &DVector<f64>| Complex64::new(row[len + 2 * source], -row[len + 2 * source + 1]);
     let amplitudes = (0..sources).flat_map(|source| root.iter().map(move |row| amplitude(source, row)));
-    StateMap::new(Rows::new(&rows, &linear.parts), vec![0.0; rows.len()], amplitudes.collect(), sources)
-}
-
-/// Writes the values of displacements and velocities at each instant to their coordinates.
-fn write<'v>(
-    displacements: &[usize],
-    velocities: &[usize],
-    values: impl Iterator<Item = &'v mut [f64]>,
-    instants: &[f64],
-    q: &mut [f64],
-    v: &mut [f64],
-) {
-    for (values, (_, q, v)) in values.zip(at_each(instants, q, v)) {
-        let (displacement_values, velocity_values) = values.split_at(displacements.len());
-        for (index, value) in displacements.iter().zip(displacement_values) {
-            if let Some(q) = q.get_mut(*index) {
-                *q = *value;
-            }
-        }
-        for (index, value) in velocities.iter().zip(velocity_values) {
-            v[*index] = *value;
-        }
-    }
+    let reference = vec![0.0; rows.len()];
+    StateMap::new(Rows::new(&rows, &linear.parts), reference, &amplitudes.collect::<Vec<_>>())
 }

@@ -6,7 +6,8 @@ use pulp::Arch;
 use crate::exponential::loads::Loads;
 use crate::exponential::propagator::panel_kernel::accumulate_panel;
 use crate::exponential::propagator::{Panel, Rows, kernel};
-use crate::integrate::Span;
+use crate::modal::ModalStateSpace;
+use crate::model::Combination;
 
 /// Rows that map a state z to scalars, with what the reference and the synchronous motion add to them.
 #[derive(Clone, Debug)]
@@ -20,8 +21,6 @@ pub(in crate::exponential) struct StateMap {
     /// Scratch: gathered states, one after the other, and the values of their scalars.
     states: Vec<f64>,
     values: Vec<f64>,
-    /// Scratch: values at both ends of a step.
-    ends: Vec<f64>,
     /// Scratch: phasors of the sources.
     phasors: Vec<Complex64>,
     arch: Arch,
@@ -29,17 +28,43 @@ pub(in crate::exponential) struct StateMap {
 
 impl StateMap {
     /// Creates a map of rows with their values at the reference and their amplitudes, source after source.
-    pub fn new(rows: Rows, reference: Vec<f64>, amplitudes: Vec<Complex64>, sources: usize) -> Self {
+    pub fn new(rows: Rows, reference: Vec<f64>, amplitudes: &[Complex64]) -> Self {
+        let sources = amplitudes.len() / rows.count.max(1);
         Self {
             states: Vec::with_capacity(rows.size),
             values: Vec::with_capacity(rows.count),
-            ends: Vec::new(),
             phasors: vec![Complex64::ZERO; sources],
             factors: vec![1.0; 1 + 2 * sources],
-            prescribed: prescribed(reference, &amplitudes),
+            prescribed: prescribed(reference, amplitudes),
             rows,
             arch: Arch::new(),
         }
+    }
+
+    /// Creates the map of combinations of coordinates, without the loads in their accelerations.
+    pub fn of(loads: &Loads<'_>, linear: &ModalStateSpace, combinations: &[Combination]) -> Self {
+        let row = |each: &Combination| {
+            let mut sum = linear.rate_row(&linear.row(&each.acceleration, true));
+            for row in [linear.row(&each.displacement, false), linear.row(&each.velocity, true)] {
+                sum.iter_mut().zip(&row).for_each(|(sum, value)| *sum += value);
+            }
+            sum
+        };
+        let rows: Vec<_> = combinations.iter().map(row).collect();
+        let at_reference = |each: &Combination| -> f64 {
+            each.displacement.iter().map(|(index, factor)| loads.reference[*index] * factor).sum()
+        };
+        let amplitudes = loads.spins().into_iter().enumerate().flat_map(|(source, spin)| {
+            let sum = move |row: &[(usize, f64)], rate: bool| -> Complex64 {
+                row.iter().map(|(index, factor)| loads.amplitude(source, *index, rate) * *factor).sum()
+            };
+            combinations.iter().map(move |each| {
+                let accelerated = sum(&each.acceleration, true) * Complex64::new(0.0, spin);
+                sum(&each.displacement, false) + sum(&each.velocity, true) + accelerated
+            })
+        });
+        let reference = combinations.iter().map(at_reference).collect();
+        Self::new(Rows::new(&rows, &linear.parts), reference, &amplitudes.collect::<Vec<_>>())
     }
 
     /// Adds a state to those that are evaluated together.
@@ -49,42 +74,9 @@ impl StateMap {
 
     /// The values of all scalars at the gathered states, which belong to `instants`: one list for each instant.
     pub fn evaluate(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &mut [f64]> {
-        self.map_states(instants.len());
-        self.complete(loads, instants)
-    }
-
-    /// The same at instants within a step, by the cubic through the states and rates at both ends.
-    pub fn interpolate(
-        &mut self,
-        loads: &Loads<'_>,
-        span: &Span<'_>,
-        instants: &[f64],
-    ) -> impl Iterator<Item = &mut [f64]> {
-        let sides = [span.before.state, span.before.derivative, span.after.state, span.after.derivative];
-        sides.into_iter().for_each(|z| self.gather(z));
-        self.map_states(sides.len());
-        std::mem::swap(&mut self.ends, &mut self.values);
-        let count = self.rows.count.max(1);
         self.values.resize(instants.len() * self.rows.count, 0.0);
-        for (elapsed, values) in instants.iter().zip(self.values.chunks_exact_mut(count)) {
-            let weights = span.cubic(*elapsed);
-            for (at, value) in values.iter_mut().enumerate() {
-                let ends = self.ends[at..].iter().step_by(count);
-                *value = weights.iter().zip(ends).map(|(weight, end)| weight * end).sum();
-            }
-        }
-        self.complete(loads, instants)
-    }
-
-    /// Maps the gathered states to values.
-    fn map_states(&mut self, states: usize) {
-        self.values.resize(states * self.rows.count, 0.0);
-        kernel::row_products_of(self.arch, &self.rows, states, &self.states, &mut self.values);
+        kernel::row_products_of(self.arch, &self.rows, instants.len(), &self.states, &mut self.values);
         self.states.clear();
-    }
-
-    /// Adds the reference and the synchronous motion to the values.
-    fn complete(&mut self, loads: &Loads<'_>, instants: &[f64]) -> impl Iterator<Item = &mut [f64]> {
         let count = self.rows.count.max(1);
         for (values, elapsed) in self.values.chunks_exact_mut(count).zip(instants) {
             loads.phasors(*elapsed, &mut self.phasors);

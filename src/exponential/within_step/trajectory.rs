@@ -59,13 +59,13 @@ impl Trajectory for StepTrajectory<'_, '_> {
         let loads = self.step.stepper.loads();
         each_state(self.step, self.sampler, instants, |elapsed, z| {
             self.output.gather(z);
-            if let Some(energies) = self.output.energies() {
+            if let Some(energies) = &mut self.output.energies {
                 energies.collect(elapsed, z);
             }
-            if let Some(accelerations) = self.output.accelerations() {
+            if let Some(accelerations) = &mut self.output.accelerations {
                 accelerations.gather(z);
             }
-            if let Some(combinations) = self.output.combinations() {
+            if let Some(combinations) = &mut self.output.combinations {
                 combinations.gather(z);
             }
         });
@@ -81,7 +81,7 @@ impl Trajectory for StepTrajectory<'_, '_> {
     }
 
     fn power_states(&mut self, instants: &[f64], _: &[usize], _: &[Vec<(usize, f64)>], q: &mut [f64], v: &mut [f64]) {
-        if let Some(output) = self.output.powers() {
+        if let Some(output) = &mut self.output.powers {
             each_state(self.step, self.sampler, instants, |_, z| output.gather(z));
             output.read_gathered(self.step.stepper.loads(), instants, q, v);
         }
@@ -96,7 +96,7 @@ impl Trajectory for StepTrajectory<'_, '_> {
     }
 
     fn combines(&mut self, instants: &[f64]) -> Result<bool, Halt> {
-        let Some(map) = self.output.combinations() else { return Ok(false) };
+        let Some(map) = &mut self.output.combinations else { return Ok(false) };
         map.add_loads(self.step.stepper.loads(), instants)?;
         Ok(true)
     }

@@ -14,10 +14,21 @@ impl Engagement {
     pub(super) fn range(&self, path: &ContactPath, engaged: (i64, i64)) -> (i64, i64) {
         match self {
             Self::Sharp => engaged,
-            Self::Smooth(width) => {
-                let margin = width * path.pitch / 2.0;
-                ContactPath { low: path.low - margin, high: path.high + margin, ..*path }.engaged()
-            }
+            Self::Smooth(_) => self.touching(path),
+        }
+    }
+
+    /// First and last tooth pair within the path of contact and the ramps at its ends.
+    pub(super) fn touching(&self, path: &ContactPath) -> (i64, i64) {
+        let half_ramp = self.half_ramp(path.pitch);
+        ContactPath { low: path.low - half_ramp, high: path.high + half_ramp, ..*path }.engaged()
+    }
+
+    /// Half of the width of the ramps at the ends of the path of contact, m.
+    pub(super) fn half_ramp(&self, pitch: f64) -> f64 {
+        match self {
+            Self::Sharp => 0.0,
+            Self::Smooth(width) => width * pitch / 2.0,
         }
     }
 

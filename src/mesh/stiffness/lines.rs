@@ -30,31 +30,16 @@ pub struct ContactLines {
 }
 
 impl ContactLines {
-    /// Half of the width of the ramps of the engagement, m.
-    pub(super) fn half_ramp(&self, path: &ContactPath) -> f64 {
-        match self.engagement {
-            Engagement::Sharp => 0.0,
-            Engagement::Smooth(width) => width * path.pitch / 2.0,
-        }
-    }
-
     /// Energy and forces at `deflection`, m.
     pub(super) fn elastic_state(&self, path: &ContactPath, deflection: f64) -> ElasticState {
-        let half_ramp = self.half_ramp(path);
-        let (first, last) = ContactPath { low: path.low - half_ramp, high: path.high + half_ramp, ..*path }.engaged();
+        let half_ramp = self.engagement.half_ramp(path.pitch);
+        let (first, last) = self.engagement.touching(path);
         let slopes = path.end_slopes();
         let mut sum = Sums::default();
         for j in first..last + 1 {
             self.add_pair(path, half_ramp, path.position + j as f64 * path.pitch, slopes, &mut sum);
         }
-        let half = deflection * deflection / 2.0;
-        ElasticState {
-            energy: sum.stiffness * half,
-            force: sum.stiffness * deflection,
-            stiffness: sum.stiffness,
-            by_position: sum.by_position * half,
-            by_tangent: sum.by_tangent * half,
-        }
+        ElasticState::of_spring([sum.stiffness, sum.by_position, sum.by_tangent], deflection)
     }
 
     /// Adds the stiffness of the pair at the position `s`, m, with its derivatives.

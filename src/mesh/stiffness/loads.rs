@@ -61,7 +61,7 @@ impl Stiffness {
                 }
             }
             Self::Lines(lines) => {
-                let half_ramp = lines.half_ramp(path);
+                let half_ramp = lines.engagement.half_ramp(path.pitch);
                 let ends = [path.low - half_ramp, path.high + half_ramp];
                 let inside = |position: f64| position.clamp(ends[0], ends[1]);
                 let mut marks =

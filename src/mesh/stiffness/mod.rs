@@ -13,7 +13,6 @@
 
 mod curve;
 mod engagement;
-mod iso6336;
 mod lines;
 mod loads;
 mod model;
@@ -23,9 +22,8 @@ mod shared;
 
 pub use curve::{PeriodicCurve, UniformCurve};
 pub(super) use engagement::smooth_step;
-pub use iso6336::{Iso6336, iso6336};
 pub use lines::ContactLines;
-pub use model::build;
+pub use model::{Iso6336, build, iso6336};
 pub use pair::ToothPair;
 pub use potential_energy::{CONTACT_COMPLIANCE, Tooth};
 pub use shared::Shared;
@@ -46,6 +44,21 @@ pub struct ElasticState {
     pub by_position: f64,
     /// ∂U/∂(C sin α), N: derivative with respect to the length of the line of action.
     pub by_tangent: f64,
+}
+
+impl ElasticState {
+    /// That of a stiffness k, N/m, with its derivatives over the position of the pairs and the length of the line of action.
+    #[inline(always)]
+    fn of_spring([k, by_position, by_tangent]: [f64; 3], deflection: f64) -> Self {
+        let half = deflection * deflection / 2.0;
+        Self {
+            energy: k * half,
+            force: k * deflection,
+            stiffness: k,
+            by_position: by_position * half,
+            by_tangent: by_tangent * half,
+        }
+    }
 }
 
 /// The stiffness of a mesh.
@@ -96,14 +109,7 @@ impl Stiffness {
             Self::Lines(lines) => lines.elastic_state(path, deflection),
             Self::Cycle(cycle) => {
                 let (k, slope) = cycle.at(path.position / path.pitch);
-                let half = deflection * deflection / 2.0;
-                ElasticState {
-                    energy: k * half,
-                    force: k * deflection,
-                    stiffness: k,
-                    by_position: slope / path.pitch * half,
-                    by_tangent: 0.0,
-                }
+                ElasticState::of_spring([k, slope / path.pitch, 0.0], deflection)
             }
             Self::Pairs { pair, engagement, relief } => {
                 let (first, last) = engagement.range(path, engaged);
@@ -205,7 +211,7 @@ const MEAN_PIECES: usize = 256;
 /// which extends beyond the path.
 fn mean_of_pairs(pair: &ToothPair, engagement: &Engagement, path: &ContactPath) -> f64 {
     let &ContactPath { tangent, low, high, pitch, .. } = path;
-    let half = if let Engagement::Smooth(width) = engagement { width * pitch / 2.0 } else { 0.0 };
+    let half = engagement.half_ramp(pitch);
     let at = |s: f64| engagement.weight(s - low, high - s, pitch)[0] * pair.at(s, tangent)[0];
     let piece = |from: f64, to: f64| {
         let h = (to - from) / MEAN_PIECES as f64;

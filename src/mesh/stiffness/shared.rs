@@ -62,14 +62,7 @@ impl Shared {
         let part = with_root[0] / (1.0 + with_body[0]);
         let slope = |i: usize| sum[i] - 2.0 * part * with_root[i] + part * part * with_body[i];
         let stiffness = sum[0] - part * with_root[0];
-        let half = deflection * deflection / 2.0;
-        ElasticState {
-            energy: stiffness * half,
-            force: stiffness * deflection,
-            stiffness,
-            by_position: slope(1) * half,
-            by_tangent: slope(2) * half,
-        }
+        ElasticState::of_spring([stiffness, slope(1), slope(2)], deflection)
     }
 
     fn stiffness(&self, path: &ContactPath, position: f64) -> f64 {
@@ -80,7 +73,7 @@ impl Shared {
     /// Mean over the mesh cycle, N/m, by the two-point Gauss rule on pieces between the engagement changes.
     pub(super) fn mean(&self, path: &ContactPath) -> f64 {
         let pitch = path.pitch;
-        let half = if let Engagement::Smooth(width) = self.engagement { width * pitch / 2.0 } else { 0.0 };
+        let half = self.engagement.half_ramp(pitch);
         let mut marks = [path.low - half, path.low + half, path.high - half, path.high + half, 0.0, 0.0]
             .map(|end: f64| end.rem_euclid(pitch));
         marks[5] = pitch;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Base, BearingCoefficient, Coefficient, Complex};
+use crate::scene::given;
 
 /// A bearing under a shaft: linear with `stiffness`, on the ground, a support or a housing; or a journal bearing on the ground
 /// with `diameter` and the other entries of its film; or a rolling bearing with `elements` and the other entries of its elements.
@@ -121,39 +122,17 @@ impl Bearing {
     /// Whether an entry of a rolling bearing is given. Contact and contact angle of a linear bearing with a rating are those of
     /// the rolling bearing for which it stands.
     pub fn is_rolling(&self) -> bool {
-        let lengths = [self.element_diameter, self.pitch_diameter, self.hertz_stiffness, self.phase];
-        let others = [self.inner_groove, self.outer_groove, self.roller_length, self.axial_preload];
-        let catalogue = self.designation.is_some() || self.kind.is_some() || self.boundary.is_some();
         let is_rated_spring = self.stiffness.is_some() && self.dynamic_rating.is_some();
-        catalogue
-            || self.degrees_of_freedom.is_some()
-            || self.elements.is_some()
+        let entries = given![self; designation, kind, boundary, degrees_of_freedom, elements, element_diameter, pitch_diameter,
+            hertz_stiffness, phase, inner_groove, outer_groove, roller_length, axial_preload];
+        entries.iter().any(|(_, is_given)| *is_given)
             || (self.contact.is_some() || self.contact_angle.is_some()) && !is_rated_spring
-            || lengths.iter().chain(&others).any(Option::is_some)
     }
 
     /// The entries of a journal bearing, and whether each is given.
     pub fn film_entries(&self) -> [(&'static str, bool); 18] {
-        [
-            ("diameter", self.diameter.is_some()),
-            ("length", self.length.is_some()),
-            ("clearance", self.clearance.is_some()),
-            ("viscosity", self.viscosity.is_some()),
-            ("film", self.film.is_some()),
-            ("grooves", self.grooves.is_some()),
-            ("profile", self.profile.is_some()),
-            ("preload", self.preload.is_some()),
-            ("offset", self.offset.is_some()),
-            ("orientation", self.orientation.is_some()),
-            ("pads", self.pads.is_some()),
-            ("rupture", self.rupture.is_some()),
-            ("pad_count", self.pad_count.is_some()),
-            ("pad_extent", self.pad_extent.is_some()),
-            ("pad_inertia", self.pad_inertia.is_some()),
-            ("pad_mass", self.pad_mass.is_some()),
-            ("pivot_stiffness", self.pivot_stiffness.is_some()),
-            ("reduced", self.reduced.is_some()),
-        ]
+        given![self; diameter, length, clearance, viscosity, film, grooves, profile, preload, offset, orientation, pads, rupture,
+            pad_count, pad_extent, pad_inertia, pad_mass, pivot_stiffness, reduced]
     }
 }
 

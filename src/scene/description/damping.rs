@@ -1,10 +1,11 @@
 //! Damping ratios of modes.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::{Error, MapAccess};
 use serde::{Deserialize, Deserializer, Serialize};
+
+use super::reading::{NumberOrEntries, number_or_entries};
 
 /// Damping ratios as a description gives them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,52 +34,37 @@ impl From<f64> for ModalDampingGiven {
     }
 }
 
-/// Not derived: an error inside a table names the entry; an untagged enum only says that no variant fits.
 impl<'de> Deserialize<'de> for ModalDampingGiven {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        struct Reader;
+        number_or_entries(source)
+    }
+}
 
-        impl<'de> Visitor<'de> for Reader {
-            type Value = ModalDampingGiven;
+impl NumberOrEntries for ModalDampingGiven {
+    const EXPECTED: &'static str = "a number, ratios by mode number, or a table of frequencies and ratios";
 
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a number, ratios by mode number, or a table of frequencies and ratios")
-            }
+    fn number(ratio: f64) -> Self {
+        ratio.into()
+    }
 
-            fn visit_f64<E: Error>(self, ratio: f64) -> Result<ModalDampingGiven, E> {
-                Ok(ratio.into())
-            }
-
-            fn visit_i64<E: Error>(self, ratio: i64) -> Result<ModalDampingGiven, E> {
-                self.visit_f64(ratio as f64)
-            }
-
-            fn visit_u64<E: Error>(self, ratio: u64) -> Result<ModalDampingGiven, E> {
-                self.visit_f64(ratio as f64)
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<ModalDampingGiven, A::Error> {
-                let (mut frequencies, mut ratios, mut modes) = (None, None, BTreeMap::new());
-                while let Some(key) = entries.next_key::<String>()? {
-                    match key.as_str() {
-                        "frequencies" => frequencies = Some(entries.next_value::<Vec<f64>>()?),
-                        "ratios" => ratios = Some(entries.next_value::<Vec<f64>>()?),
-                        _ => {
-                            let ratio = entries.next_value::<f64>()?;
-                            modes.insert(key, ratio);
-                        }
-                    }
-                }
-                match (frequencies, ratios) {
-                    (None, None) => Ok(ModalDampingGiven::Modes(modes)),
-                    (Some(frequencies), Some(ratios)) if modes.is_empty() => {
-                        Ok(ModalDampingGiven::Frequencies(RatioTable { frequencies, ratios }))
-                    }
-                    _ => Err(A::Error::custom("needs frequencies and ratios, or ratios by mode number only")),
+    fn entries<'de, A: MapAccess<'de>>(mut entries: A) -> Result<Self, A::Error> {
+        let (mut frequencies, mut ratios, mut modes) = (None, None, BTreeMap::new());
+        while let Some(key) = entries.next_key::<String>()? {
+            match key.as_str() {
+                "frequencies" => frequencies = Some(entries.next_value::<Vec<f64>>()?),
+                "ratios" => ratios = Some(entries.next_value::<Vec<f64>>()?),
+                _ => {
+                    let ratio = entries.next_value::<f64>()?;
+                    modes.insert(key, ratio);
                 }
             }
         }
-
-        source.deserialize_any(Reader)
+        match (frequencies, ratios) {
+            (None, None) => Ok(Self::Modes(modes)),
+            (Some(frequencies), Some(ratios)) if modes.is_empty() => {
+                Ok(Self::Frequencies(RatioTable { frequencies, ratios }))
+            }
+            _ => Err(A::Error::custom("needs frequencies and ratios, or ratios by mode number only")),
+        }
     }
 }

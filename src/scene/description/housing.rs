@@ -8,6 +8,7 @@ use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Coefficient, FilmModel};
+use crate::scene::given;
 
 /// A mass on a spring and a damper between a bearing and the ground or a housing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,19 +47,12 @@ pub struct Support {
 impl Support {
     /// Whether each entry of a squeeze film is given.
     pub fn film_entries(&self) -> [(&'static str, bool); 6] {
-        [
-            ("diameter", self.diameter.is_some()),
-            ("length", self.length.is_some()),
-            ("clearance", self.clearance.is_some()),
-            ("viscosity", self.viscosity.is_some()),
-            ("film", self.film.is_some()),
-            ("ruptures", self.ruptures.is_some()),
-        ]
+        given![self; diameter, length, clearance, viscosity, film, ruptures]
     }
 }
 
 /// An elastic body by its vibration modes with unit modal mass.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticBody {
     /// Natural frequency of each mode, rad/s; zero for a rigid-body motion.

@@ -1,11 +1,10 @@
 //! Description of couplings, drives, forces, and of torques that depend on time or speed.
 
-use std::fmt;
-
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{Error, MapAccess, SeqAccess};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::reading::{NumberOrEntries, number_or_entries};
 use super::{Complex, Outside, Place};
 
 /// A coupling between two coaxial shafts of one speed.
@@ -87,13 +86,8 @@ pub struct TorqueTable {
     /// Torque at each speed, N m.
     pub values: Vec<f64>,
     /// What holds for a speed of the shaft outside the table; an error by default.
-    #[serde(default, skip_serializing_if = "is_error")]
+    #[serde(default, skip_serializing_if = "super::is_default")]
     pub outside: Outside,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
-fn is_error(outside: &Outside) -> bool {
-    *outside == Outside::Error
 }
 
 /// Value of a force.
@@ -118,97 +112,68 @@ pub enum TorqueValue {
     Table(TorqueTable),
 }
 
-/// Not derived: an error inside a series names the field; an untagged enum only says that no variant fits.
 impl<'de> Deserialize<'de> for ForceValue {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        struct Reader;
+        number_or_entries(source)
+    }
+}
 
-        impl<'de> Visitor<'de> for Reader {
-            type Value = ForceValue;
+impl NumberOrEntries for ForceValue {
+    const EXPECTED: &'static str = "a number [N], a pair [y, z] or a time series";
 
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a number [N], a pair [y, z] or a time series")
-            }
+    fn number(value: f64) -> Self {
+        Self::Constant(Complex::Real(value))
+    }
 
-            fn visit_f64<E: Error>(self, value: f64) -> Result<ForceValue, E> {
-                Ok(ForceValue::Constant(Complex::Real(value)))
-            }
+    fn entries<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        TimeSeries::deserialize(MapAccessDeserializer::new(map)).map(Self::Series)
+    }
 
-            fn visit_i64<E: Error>(self, value: i64) -> Result<ForceValue, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<ForceValue, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<ForceValue, A::Error> {
-                let pair = <[f64; 2]>::deserialize(SeqAccessDeserializer::new(sequence))?;
-                Ok(ForceValue::Constant(Complex::Pair(pair)))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ForceValue, A::Error> {
-                TimeSeries::deserialize(MapAccessDeserializer::new(map)).map(ForceValue::Series)
-            }
-        }
-
-        source.deserialize_any(Reader)
+    fn list<'de, A: SeqAccess<'de>>(sequence: A) -> Result<Self, A::Error> {
+        let pair = <[f64; 2]>::deserialize(SeqAccessDeserializer::new(sequence))?;
+        Ok(Self::Constant(Complex::Pair(pair)))
     }
 }
 
 impl<'de> Deserialize<'de> for TorqueValue {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        /// Both tables, of which the keys of the entry select one.
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Either {
-            times: Option<Vec<f64>>,
-            speeds: Option<Vec<f64>>,
-            values: Vec<Complex>,
-            slopes: Option<Vec<Complex>>,
-            #[serde(default)]
-            outside: Outside,
+        number_or_entries(source)
+    }
+}
+
+/// Both tables, of which the keys of the entry select one.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TorqueEntries {
+    times: Option<Vec<f64>>,
+    speeds: Option<Vec<f64>>,
+    values: Vec<Complex>,
+    slopes: Option<Vec<Complex>>,
+    #[serde(default)]
+    outside: Outside,
+}
+
+impl NumberOrEntries for TorqueValue {
+    const EXPECTED: &'static str = "a number [N m], a time series or a speed table";
+
+    fn number(value: f64) -> Self {
+        Self::Constant(value)
+    }
+
+    fn entries<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        let TorqueEntries { times, speeds, values, slopes, outside } =
+            TorqueEntries::deserialize(MapAccessDeserializer::new(map))?;
+        match (times, speeds) {
+            (Some(times), None) => Ok(Self::Series(TimeSeries { times, values, slopes })),
+            (None, Some(speeds)) => {
+                let real = |value: &Complex| match value {
+                    Complex::Real(value) => Ok(*value),
+                    Complex::Pair(_) => Err(A::Error::custom("a torque is a real number, got a pair")),
+                };
+                let values = values.iter().map(real).collect::<Result<_, _>>()?;
+                Ok(Self::Table(TorqueTable { speeds, values, outside }))
+            }
+            _ => Err(A::Error::custom("needs either times or speeds")),
         }
-
-        struct Reader;
-
-        impl<'de> Visitor<'de> for Reader {
-            type Value = TorqueValue;
-
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a number [N m], a time series or a speed table")
-            }
-
-            fn visit_f64<E: Error>(self, value: f64) -> Result<TorqueValue, E> {
-                Ok(TorqueValue::Constant(value))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<TorqueValue, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<TorqueValue, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TorqueValue, A::Error> {
-                let Either { times, speeds, values, slopes, outside } =
-                    Either::deserialize(MapAccessDeserializer::new(map))?;
-                match (times, speeds) {
-                    (Some(times), None) => Ok(TorqueValue::Series(TimeSeries { times, values, slopes })),
-                    (None, Some(speeds)) => {
-                        let real = |value: &Complex| match value {
-                            Complex::Real(value) => Ok(*value),
-                            Complex::Pair(_) => Err(A::Error::custom("a torque is a real number, got a pair")),
-                        };
-                        let values = values.iter().map(real).collect::<Result<_, _>>()?;
-                        Ok(TorqueValue::Table(TorqueTable { speeds, values, outside }))
-                    }
-                    _ => Err(A::Error::custom("needs either times or speeds")),
-                }
-            }
-        }
-
-        source.deserialize_any(Reader)
     }
 }

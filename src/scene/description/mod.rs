@@ -45,10 +45,10 @@ pub struct SceneDescription {
     /// Rayleigh damping αM + βK of the shafts: `[α, β]`, 1/s and s.
     pub rayleigh: Option<[f64; 2]>,
     /// Whether the axial forces of the static equilibrium change the stiffness of the shafts; false by default.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub geometric_stiffness: bool,
     /// Whether a bow turns with the twist of its shaft, and so has a moment about it; false by default.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub bow_torque: bool,
     /// Gravity, m/s².
     pub gravity: Option<Gravity>,
@@ -59,40 +59,40 @@ pub struct SceneDescription {
     /// Shafts.
     pub shafts: Vec<Shaft>,
     /// Sleeves around shafts.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub sleeves: Vec<Sleeve>,
     /// Gears.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub gears: Vec<Gear>,
     /// Rigid disks.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub disks: Vec<Disk>,
     /// Pairs of gears in mesh.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub meshes: Vec<Mesh>,
     /// Bearings.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub bearings: Vec<Bearing>,
     /// Torques on the shafts.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub torques: Vec<Torque>,
     /// Supports of bearings.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub supports: Vec<Support>,
     /// Housings, which carry several bearings.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub housings: Vec<Housing>,
     /// Couplings between shafts of one speed.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub couplings: Vec<Coupling>,
     /// Drives, which hold the rotation.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub drives: Vec<Drive>,
     /// Lateral forces.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub forces: Vec<Force>,
     /// Notches of shafts, which only stresses depend on.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub notches: Vec<Notch>,
 }
 
@@ -201,7 +201,7 @@ pub struct Gear {
     #[serde(deserialize_with = "whole")]
     pub teeth: u32,
     /// Whether the teeth point inwards: a ring gear.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub internal: bool,
     /// Module, m; of a helical gear the normal module.
     pub module: Option<f64>,
@@ -285,7 +285,7 @@ pub struct Torque {
     /// Torque, N m, constant or over time or speed.
     pub value: Option<TorqueValue>,
     /// Whether this torque balances all others.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub balance: bool,
 }
 
@@ -334,7 +334,7 @@ impl SceneDescription {
     }
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
-fn is_false(flag: &bool) -> bool {
-    !*flag
+/// Whether an entry has its default value, which descriptions leave out.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::{Error, Visitor};
+use serde::de::{Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use toml::de::{DeTable, DeValue};
 
@@ -100,6 +100,59 @@ impl<T: TryFrom<i64>> Visitor<'_> for Whole<T> {
             return Err(E::custom(format!("must be {bound}, got {value}")));
         }
         Err(E::custom(format!("must be a whole number, got {value}")))
+    }
+}
+
+/// A value that is a number or entries with names, and perhaps a list. Its implementation is not derived: an error inside the
+/// entries names the field, while an untagged enum only says that no variant fits.
+pub(super) trait NumberOrEntries: Sized {
+    /// What it can be, for messages.
+    const EXPECTED: &'static str;
+
+    /// The value of a number.
+    fn number(value: f64) -> Self;
+
+    /// Reads the entries.
+    fn entries<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error>;
+
+    /// Reads a list.
+    fn list<'de, A: SeqAccess<'de>>(_: A) -> Result<Self, A::Error> {
+        Err(A::Error::invalid_type(Unexpected::Seq, &Self::EXPECTED))
+    }
+}
+
+/// Reads a number or entries; a whole number is a number too.
+pub(super) fn number_or_entries<'de, T: NumberOrEntries, D: Deserializer<'de>>(source: D) -> Result<T, D::Error> {
+    source.deserialize_any(NumberReader(PhantomData))
+}
+
+struct NumberReader<T>(PhantomData<T>);
+
+impl<'de, T: NumberOrEntries> Visitor<'de> for NumberReader<T> {
+    type Value = T;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(T::EXPECTED)
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<T, E> {
+        Ok(T::number(value))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<T, E> {
+        Ok(T::number(value as f64))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<T, E> {
+        Ok(T::number(value as f64))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<T, A::Error> {
+        T::list(sequence)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        T::entries(map)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Coefficients of a bearing, as a user describes them: constant, or a table over speed, frequency or both.
 
-use std::fmt;
-
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{MapAccess, SeqAccess};
 use serde::{Deserialize, Deserializer, Serialize};
+
+use super::reading::{NumberOrEntries, number_or_entries};
 
 /// Stiffness or damping of a bearing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,13 +38,8 @@ pub struct SpeedTable {
     /// One entry for each speed, or for each frequency of a table without speeds; all coefficients have the same form.
     pub values: Vec<TableValue>,
     /// What holds outside the speeds and frequencies; an error by default.
-    #[serde(default, skip_serializing_if = "is_error")]
+    #[serde(default, skip_serializing_if = "super::is_default")]
     pub outside: Outside,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
-fn is_error(outside: &Outside) -> bool {
-    *outside == Outside::Error
 }
 
 /// An entry of a table.
@@ -79,40 +74,25 @@ impl From<Coefficient> for BearingCoefficient {
     }
 }
 
-/// Not derived: an error inside a table names the field; an untagged enum only says that no variant fits.
 impl<'de> Deserialize<'de> for BearingCoefficient {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        struct Reader;
+        number_or_entries(source)
+    }
+}
 
-        impl<'de> Visitor<'de> for Reader {
-            type Value = BearingCoefficient;
+impl NumberOrEntries for BearingCoefficient {
+    const EXPECTED: &'static str = "a number, a pair [yy, zz], rows [[yy, yz], [zy, zz]] or a speed table";
 
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a number, a pair [yy, zz], rows [[yy, yz], [zy, zz]] or a speed table")
-            }
+    fn number(value: f64) -> Self {
+        Coefficient::Isotropic(value).into()
+    }
 
-            fn visit_f64<E: Error>(self, value: f64) -> Result<BearingCoefficient, E> {
-                Ok(Coefficient::Isotropic(value).into())
-            }
+    fn entries<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        SpeedTable::deserialize(MapAccessDeserializer::new(map)).map(Self::Table)
+    }
 
-            fn visit_i64<E: Error>(self, value: i64) -> Result<BearingCoefficient, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<BearingCoefficient, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<BearingCoefficient, A::Error> {
-                Coefficient::deserialize(SeqAccessDeserializer::new(sequence)).map(BearingCoefficient::Constant)
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<BearingCoefficient, A::Error> {
-                SpeedTable::deserialize(MapAccessDeserializer::new(map)).map(BearingCoefficient::Table)
-            }
-        }
-
-        source.deserialize_any(Reader)
+    fn list<'de, A: SeqAccess<'de>>(sequence: A) -> Result<Self, A::Error> {
+        Coefficient::deserialize(SeqAccessDeserializer::new(sequence)).map(Self::Constant)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Description of the teeth of a mesh: stiffness, engagement, tip relief and transmission error.
 
-use std::fmt;
-
+use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+
+use super::reading::{NumberOrEntries, number_or_entries};
 
 /// Stiffness of a mesh: a number or a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -16,46 +16,32 @@ pub enum Stiffness {
     Model(StiffnessModel),
 }
 
-/// A derived implementation would not name the field of an error inside a model.
 impl<'de> Deserialize<'de> for Stiffness {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        struct Reader;
+        number_or_entries(source)
+    }
+}
 
-        impl<'de> Visitor<'de> for Reader {
-            type Value = Stiffness;
+impl NumberOrEntries for Stiffness {
+    const EXPECTED: &'static str = "a number [N/m] or a stiffness model";
 
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a number [N/m] or a stiffness model")
-            }
+    fn number(value: f64) -> Self {
+        Self::Mean(value)
+    }
 
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Stiffness, E> {
-                Ok(Stiffness::Mean(value))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Stiffness, E> {
-                Ok(Stiffness::Mean(value as f64))
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Stiffness, E> {
-                Ok(Stiffness::Mean(value as f64))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Stiffness, A::Error> {
-                StiffnessModel::deserialize(MapAccessDeserializer::new(map)).map(Stiffness::Model)
-            }
-        }
-
-        source.deserialize_any(Reader)
+    fn entries<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+        StiffnessModel::deserialize(MapAccessDeserializer::new(map)).map(Self::Model)
     }
 }
 
 /// Kind of a stiffness model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StiffnessKind {
     /// Constant mesh stiffness.
     Constant,
     /// ISO 6336-1.
+    #[default]
     Iso6336,
     /// Tooth pairs of constant stiffness.
     Square,
@@ -70,7 +56,7 @@ pub enum StiffnessKind {
 }
 
 /// A stiffness model: its kind and parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StiffnessModel {
     /// Kind of the model.
@@ -100,19 +86,7 @@ pub struct StiffnessModel {
 impl StiffnessModel {
     /// Creates a model without parameters.
     pub fn of(model: StiffnessKind) -> Self {
-        Self {
-            model,
-            mean: None,
-            pair: None,
-            end_ratio: None,
-            values: None,
-            amplitudes: None,
-            phases: None,
-            bore_radii: None,
-            foundation: None,
-            engagement: None,
-            phase: None,
-        }
+        Self { model, ..Self::default() }
     }
 }
 
@@ -140,9 +114,11 @@ pub enum Engagement {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
-    /// Rotation of the shafts, twist and motion of the gear centres.
+    /// Rotation of the shafts, twist and motion of the gear centres, with the force ½δ² ∂k/∂q that follows. Energy is
+    /// conserved: if the torques balance, damping of the vibration slows the rigid-body rotation.
     Twist,
-    /// Rotation of the shafts and motion of the gear centres.
+    /// Rotation of the shafts and motion of the gear centres. The stiffness is prescribed, and the drive that keeps the
+    /// speed does work through it.
     Prescribed,
 }
 

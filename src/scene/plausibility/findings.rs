@@ -7,9 +7,6 @@ use crate::numerics::EQUALITY_TOLERANCE;
 use crate::scene::EntryPath;
 use crate::scene::number::short;
 
-/// A full turn, rad, with a tolerance for round-off.
-const FULL_TURN: f64 = TAU * (1.0 + EQUALITY_TOLERANCE);
-
 /// A quantity outside its range.
 struct Finding {
     quantity: &'static str,
@@ -41,7 +38,7 @@ impl Findings {
 
     /// Adds a finding if an angle, rad, is larger than a full turn.
     pub(super) fn check_angle(&mut self, at: &EntryPath, angle: f64) {
-        if angle.abs() > FULL_TURN {
+        if angle.abs() > TAU * (1.0 + EQUALITY_TOLERANCE) {
             self.add(
                 "angle",
                 at,

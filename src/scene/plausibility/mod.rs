@@ -13,21 +13,18 @@ use super::description::{self, SceneDescription, SleeveStiffness, SleeveStiffnes
 use super::gear::PUBLISHED_DATA_TOLERANCE;
 use super::number::short;
 use super::{
-    Bearing, BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Node, Nonlinear, STANDARD_GRAVITY,
-    Scene, SceneError, Shaft,
+    Bearing, BearingCoefficient, Body, Bow, BowCurve, Damping, EntryPath, Gear, Journal, Node, Nonlinear,
+    STANDARD_GRAVITY, Scene, SceneError, Shaft,
 };
 use findings::Findings;
 use ranges::{
     ASK_MILLIMETRES, AXIAL_PRELOAD, BEARING_STIFFNESS, BODY_ECCENTRICITY, BODY_GYRATION, BODY_MASS, CENTRE_DISTANCE,
     FACE_WIDTH, FLANK_ROUGHNESS, GEAR_ADDENDUM, GEAR_DENSITY, GEAR_GYRATION, GEAR_MODULE, GEAR_RUNOUT, GRAVITY,
     JOURNAL_CLEARANCE, LOAD_RATING, LOSS_FACTOR, MESH_BACKLASH, MESH_DAMPING, MESH_FRICTION, MESH_STIFFNESS,
-    MODAL_DAMPING, OIL_VISCOSITY, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH, ROLLING_CLEARANCE, SHAFT_BOW,
-    SHAFT_DIAMETER, SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY, TIP_REACH,
-    TIP_RELIEF, TRANSMISSION_ERROR, YOUNGS_MODULUS,
+    MODAL_DAMPING, OIL_VISCOSITY, PITCH_LINE_SPEED, PRESSURE_ANGLE, PROFILE_SHIFT, RELIEF_LENGTH, ROLLING_CLEARANCE,
+    SHAFT_BOW, SHAFT_DIAMETER, SHAFT_LENGTH, SHAFT_SAG, SHAFT_SLENDERNESS, SHAFT_TORSION, SHEAR_MODULUS, SOLID_DENSITY,
+    TIP_REACH, TIP_RELIEF, TRANSMISSION_ERROR, YOUNGS_MODULUS,
 };
-
-/// Largest plausible pitch-line speed, m/s. Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
-const PITCH_LINE_SPEED: f64 = 250.0;
 
 /// Largest plausible deflection of a bow at the end of a shaft beyond the points, relative to the largest amplitude.
 const MAX_EXTRAPOLATED_BOW: f64 = 0.5;
@@ -74,10 +71,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
         let at = EntryPath::entry("bearings", index);
         match &bearing.nonlinear {
             None => found.check(&at.field("stiffness"), largest_stiffness(&bearing.stiffness), &BEARING_STIFFNESS),
-            Some(Nonlinear::Journal(journal)) => {
-                found.check(&at.field("clearance"), 2.0 * journal.clearance / journal.diameter, &JOURNAL_CLEARANCE);
-                found.check(&at.field("viscosity"), journal.viscosity, &OIL_VISCOSITY);
-            }
+            Some(Nonlinear::Journal(journal)) => check_film(journal, &at, &mut found),
             Some(Nonlinear::Rolling(rolling)) => {
                 let diameter = system.bearings[index].element_diameter.unwrap_or(f64::INFINITY);
                 found.check(&at.field("clearance"), rolling.clearance.abs() / diameter, &ROLLING_CLEARANCE);
@@ -89,9 +83,7 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     }
     for (squeeze, name) in scene.housings.iter().filter_map(|housing| Some((housing.squeeze.as_ref()?, &housing.name)))
     {
-        let (at, journal) = (EntryPath::root(name), &squeeze.journal);
-        found.check(&at.field("clearance"), 2.0 * journal.clearance / journal.diameter, &JOURNAL_CLEARANCE);
-        found.check(&at.field("viscosity"), journal.viscosity, &OIL_VISCOSITY);
+        check_film(&squeeze.journal, &EntryPath::root(name), &mut found);
     }
     for (index, given) in system.bearings.iter().enumerate() {
         let (at, node) = (EntryPath::entry("bearings", index), scene.bearings[index].node);
@@ -118,6 +110,11 @@ pub(super) fn check(system: &SceneDescription, scene: &Scene) -> Result<Vec<Stri
     found.check(&EntryPath::root("modal_damping"), scene.modal_damping.largest(), &MODAL_DAMPING);
     found.check(&EntryPath::root("gravity"), scene.gravity[0].hypot(scene.gravity[1]), &GRAVITY);
     Ok(found.messages().collect())
+}
+
+fn check_film(film: &Journal, at: &EntryPath, found: &mut Findings) {
+    found.check(&at.field("clearance"), 2.0 * film.clearance / film.diameter, &JOURNAL_CLEARANCE);
+    found.check(&at.field("viscosity"), film.viscosity, &OIL_VISCOSITY);
 }
 
 fn check_shaft(
@@ -312,7 +309,7 @@ fn check_mesh(scene: &Scene, given: &description::Mesh, index: usize, found: &mu
 /// Warns of a shaft that nothing but one bearing without tilting stiffness holds: it may swing about the bearing.
 fn check_tilting(scene: &Scene, shaft: usize, found: &mut Findings) {
     let holds = |bearing: &Bearing| bearing.nonlinear.is_some() || largest_stiffness(&bearing.stiffness) > 0.0;
-    let holds_tilt = |bearing: &Bearing| bearing.tilting[0] > 0.0 || bearing.ring().is_some();
+    let holds_tilt = |bearing: &Bearing| bearing.tilting.stiffness > 0.0 || bearing.ring().is_some();
     let mut held = scene.held_nodes(shaft).map(|(index, node)| (&scene.bearings[index], node));
     let Some((_, node)) = held.clone().find(|(bearing, _)| holds(bearing)) else { return };
     if held.any(|(bearing, other)| holds_tilt(bearing) || other != node && holds(bearing)) {
@@ -389,11 +386,13 @@ impl Scene {
         let of = |gear: &Gear| (self.speed_ratios[gear.body.node.shaft] * speed * gear.pitch_radius).abs();
         let (name, fastest) =
             self.gears.iter().map(|gear| (&gear.body.name, of(gear))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (fastest > PITCH_LINE_SPEED).then(|| {
+        let most = PITCH_LINE_SPEED.high;
+        (fastest > most).then(|| {
             format!(
-                "speed: the pitch-line speed of \"{name}\" is {} m/s at {} rad/s, usual is up to {PITCH_LINE_SPEED} m/s; is the speed in rpm?",
+                "speed: the pitch-line speed of \"{name}\" is {} m/s at {} rad/s, usual is up to {most} m/s; {}",
                 short(fastest),
-                short(speed)
+                short(speed),
+                PITCH_LINE_SPEED.above
             )
         })
     }

@@ -127,6 +127,8 @@ pub(super) const SHAFT_TORSION: Usual =
     usual("the shear strain of the shaft under a torque", "", 0.0, 0.05, "is it in N mm?");
 /// The largest planets: 25 m/s². Centrifuges, and loads that a user models as gravity, need more.
 pub(super) const GRAVITY: Usual = usual("gravity", "m/s2", 0.0, 5e3, "is it in mm/s2?");
+/// Turbo gears reach 200 m/s; AGMA 6011 covers speeds above 35 m/s.
+pub(super) const PITCH_LINE_SPEED: Usual = usual("the pitch-line speed", "m/s", 0.0, 250.0, "is the speed in rpm?");
 /// Stiffer bearings are rigid.
 pub(super) const BEARING_STIFFNESS: Usual = usual("the stiffness of a bearing", "N/m", 0.0, 1e14, ASK_UNIT);
 /// Usual in turbomachinery: 1e-3 to 2e-3. Dry instrument bearings need more.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::exponential::countable_grid;
 use super::super::heartbeat::Waiting;
 use super::super::initial::start;
-use super::super::known_reduction::Reduction;
+use super::super::reduction::Reduction;
 use super::super::{Options, RecordPlan, Run, System, foreign_contact_modes, motion, of_run, reduced_setup};
 use super::{PeriodMap, stepper};
 use crate::analysis::{AnalysisError, Spectrum};
