@@ -119,7 +119,7 @@ fn coupled_solution() -> Work {
     Box::new(move || {
         for i in 1..=10 {
             let weights = Weights::dynamic(Complex64::new(0.0, 1e3 * f64::from(i)), SPEED);
-            let factors = cached.model.dynamic_stiffness(black_box(&weights), SPEED).factor(1.0).unwrap();
+            let factors = cached.model.dynamic_stiffness(black_box(&weights), SPEED).factor().unwrap();
             let mut x = right.clone();
             factors.solve_to(Side::Right, 0.0, &mut x).unwrap();
             black_box(x);

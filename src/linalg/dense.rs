@@ -9,9 +9,9 @@ use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, Storage, Vector};
 use thiserror::Error;
 
-use super::band::{Number, Singular};
 use super::convert::{copy, view};
 use super::inverse_iteration::refine_eigenvectors;
+use super::number::{Number, Singular};
 
 /// Failure of a dense decomposition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]

@@ -137,8 +137,7 @@ impl<'m> Inverse<'m> {
         speed: f64,
         modal: Option<&'m ModalDamping>,
     ) -> Result<Self, DecompositionError> {
-        let sense = if eigenvalue.im < 0.0 { -1.0 } else { 1.0 };
-        let factors = model.dynamic_stiffness(&Weights::mode(eigenvalue, speed), speed).factor(sense)?;
+        let factors = model.dynamic_stiffness(&Weights::mode(eigenvalue, speed), speed).factor()?;
         let mut inverse = Self { model, factors, update: None };
         if let Some(modal) = modal {
             let momenta = &modal.momenta;

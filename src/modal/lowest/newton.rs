@@ -182,10 +182,9 @@ impl Equations for FullEquations<'_> {
 
     fn solve(&self, at: &ModeAtSpeed, mut right: DMatrix<Complex64>) -> Result<DMatrix<Complex64>, Singular> {
         let Self { model, modal } = *self;
-        let sense = if at.eigenvalue.re < 0.0 { -1.0 } else { 1.0 };
         let weights = Weights::mode(at.eigenvalue, at.speed);
         let weights = modal.map_or(weights, |modal| modal.banded(at.eigenvalue, weights));
-        let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
+        let factors = model.dynamic_stiffness(&weights, at.speed).factor()?;
         for mut column in right.column_iter_mut() {
             let (x, _) = model.solve(&factors, Side::Right, None, column.as_slice())?;
             column.copy_from(&x);

@@ -166,9 +166,8 @@ impl<'m> Problem<'m> {
         }
         let zeros = self.null.ncols() + if self.undamped { self.null.ncols() } else { self.free.len() };
         let determinant = |at: Complex64| {
-            let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
             let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
-            matrix.determinant(sense).ok()
+            matrix.determinant().ok()
         };
         contour::missing_in_disk(determinant, &Known { zeros, values: found.collect() }, radius)
     }
@@ -246,7 +245,7 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
     pub fn new(problem: &'p Problem<'m>) -> Result<Self, DecompositionError> {
         let shift = problem.shift;
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
-        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(1.0)?;
+        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor()?;
         let update = problem.modal.map(|modal| -> Result<_, DecompositionError> {
             let responses = problem.model.solve_columns(&factors, &modal.momenta)?;
             let rates = &modal.rates * shift;
