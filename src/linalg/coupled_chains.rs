@@ -15,7 +15,7 @@
 //! one negative eigenvalue (Haynsworth, Linear Algebra and its Applications 1, 1968).
 //!
 //! The order of elimination belongs to the [`Structure`] of a model and is the same at all frequencies and speeds. On the machines of
-//! `examples/machines`, the factors take 25 to 250 µs. Solutions are improved by iterative refinement until their componentwise
+//! `examples/machines`, the factors take 70 to 430 µs. Solutions are improved by iterative refinement until their componentwise
 //! backward error is that of round-off (Higham 2002, Accuracy and Stability of Numerical Algorithms, chapter 12); a solution that does
 //! not reach it is an error.
 

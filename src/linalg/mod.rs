@@ -34,8 +34,8 @@ pub use columns::{combination, products};
 pub use conjugate_residuals::{LeastResidual, conjugate_residuals};
 pub use coupled_chains::{BandChain, CoupledChains, CoupledFactors, MAX_BACKWARD_ERROR, Side, Structure};
 pub use dense::{
-    ComplexLu, DecompositionError, Eigen, LuFactors, backward_error, complex_eigen, eigen, hermitian_eigen,
-    image_of_parts, matrix_of_columns, semidefinite_root, solve, solve_complex,
+    DecompositionError, Eigen, LuFactors, backward_error, complex_eigen, eigen, hermitian_eigen, image_of_parts,
+    matrix_of_columns, semidefinite_root, solve, solve_complex,
 };
 pub use determinant::Determinant;
 pub use krylov::{Krylov, Operator, RitzPair};

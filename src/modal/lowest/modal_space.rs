@@ -30,9 +30,9 @@ const MIN_DAMPED_MODES: usize = 80;
 const FREQUENCY_MARGIN: f64 = 8.0;
 /// Part of all modes up to which a Krylov space gives the lowest ones faster than dense matrices give all.
 const MAX_KRYLOV_FRACTION: f64 = 0.3;
-/// Smallest number of degrees of freedom for which band matrices give few modes or responses faster than dense ones.
+/// Smallest number of degrees of freedom for which sparse matrices give few modes or responses faster than dense ones.
 pub const MIN_BANDED: usize = 100;
-/// Largest number of degrees of freedom for which dense matrices replace band matrices that do not give an answer. All modes of
+/// Largest number of degrees of freedom for which dense matrices replace sparse matrices that do not give an answer. All modes of
 /// such a model take minutes.
 pub const MAX_DENSE: usize = 2000;
 /// Smallest relative distance of the frequency of a mode that is left out from that of a damped one: the modes of both planes of a
@@ -61,9 +61,9 @@ pub struct UndampedSearch<'m> {
     pub speed: f64,
     /// Lowest and highest frequency.
     pub range: &'m SpectralRange,
-    /// A number of lowest modes from band matrices; none if these do not give them.
+    /// A number of lowest modes from sparse matrices; none if these do not give them.
     pub lowest: &'m dyn Fn(usize) -> Result<Option<Arc<RealModes>>, DecompositionError>,
-    /// All modes, where band matrices do not give the lowest ones.
+    /// All modes, where sparse matrices do not give the lowest ones.
     pub all: &'m dyn Fn() -> Result<&'m RealModes, DecompositionError>,
 }
 
@@ -87,7 +87,7 @@ pub struct ModalSpace {
     reach: f64,
 }
 
-/// The `count` lowest undamped modes of a model at `speed` of the reference shaft, rad/s, from band matrices; `None` if these do
+/// The `count` lowest undamped modes of a model at `speed` of the reference shaft, rad/s, from sparse matrices; `None` if these do
 /// not give them.
 ///
 /// # Errors
@@ -125,7 +125,7 @@ impl ModalSpace {
         Self::of_modes(search, rows, &DampedModes::new(search, highest)?)
     }
 
-    /// The same with the `count` lowest modes; `None` if band matrices do not give them.
+    /// The same with the `count` lowest modes; `None` if sparse matrices do not give them.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.

@@ -1,4 +1,4 @@
-//! One mode by Newton's method, at a speed or on a line of the Campbell diagram, Im λ = order·Ω: from the band matrices of the
+//! One mode by Newton's method, at a speed or on a line of the Campbell diagram, Im λ = order·Ω: from the sparse matrices of the
 //! shafts, or in the space of [`super::mode_space`].
 
 use nalgebra::{Complex, DMatrix, DVector};
@@ -152,7 +152,7 @@ pub(super) fn newton(equations: &impl Equations, unknown: Unknown, mut at: ModeA
 }
 
 /// The equations in the coordinates of the model, whose residual comes from the strains, so that the stiff modes cause no
-/// round-off in the soft ones. With modal damping, a band matrix close to S(λ) solves them, and the error decreases by the damping
+/// round-off in the soft ones. With modal damping, a sparse matrix close to S(λ) solves them, and the error decreases by the damping
 /// ratio in each iteration.
 pub struct FullEquations<'m> {
     /// Model at a speed.

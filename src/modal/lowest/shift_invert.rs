@@ -4,7 +4,7 @@
 //! T (x, z) = (u, x + s u),    S(s) u = −M z − (D + sM) x,    λ = s + 1/θ    for an eigenvalue θ of T
 //! ```
 //!
-//! The state is y = (x, z), z = λx. Each product with T solves one system with the band matrices of the shafts. Without
+//! The state is y = (x, z), z = λx. Each product with T solves one system with sparse factors. Without
 //! damping, gyroscopic and circulatory forces T = (K + s²M)⁻¹M is half as large, and symmetric. The inner product is that
 //! of the energy, in which T is normal if nothing damps.
 
@@ -141,7 +141,7 @@ impl<'m> Problem<'m> {
         }
     }
 
-    /// Weights of S(λ); of a band matrix close to it with modal damping. Nowhere between them is a matrix singular, apart from
+    /// Weights of S(λ); of a sparse matrix close to it with modal damping. Nowhere between them is a matrix singular, apart from
     /// the neighbourhood of eigenvalues.
     pub fn weights(&self, at: Complex64) -> Weights {
         let weights = Weights::dynamic(at, self.speed);
