@@ -36,7 +36,7 @@ pub const KERNELS: &[Kernel] = &[
     ("real modes, n = 135", real_modes),
     ("damped modes, n = 60", damped_modes),
     ("static equilibrium, n = 135", static_equilibrium),
-    ("band factors and a coupled solution, n = 240", coupled_solution),
+    ("sparse factors and a solution, n = 240", coupled_solution),
     ("modes(count=10), n = 240", few_modes),
     ("synchronous response, n = 240", synchronous_response),
     ("force of a mesh of tooth pairs", tooth_pairs),
@@ -119,7 +119,7 @@ fn coupled_solution() -> Work {
     Box::new(move || {
         for i in 1..=10 {
             let weights = Weights::dynamic(Complex64::new(0.0, 1e3 * f64::from(i)), SPEED);
-            let factors = cached.model.dynamic_stiffness(black_box(&weights), SPEED).factor(1.0).unwrap();
+            let factors = cached.model.dynamic_stiffness(black_box(&weights), SPEED).factor().unwrap();
             let mut x = right.clone();
             factors.solve_to(Side::Right, 0.0, &mut x).unwrap();
             black_box(x);
@@ -127,7 +127,7 @@ fn coupled_solution() -> Work {
     })
 }
 
-/// The ten lowest damped modes from band matrices.
+/// The ten lowest damped modes from sparse factors.
 fn few_modes() -> Work {
     let cached = leak(cached(LARGE, true));
     Box::new(move || {

@@ -12,7 +12,7 @@ use crate::scene::SceneError;
 /// Matrices that an analysis needs simultaneously, for n degrees of freedom; dense (n, n) ones unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dense {
-    /// Band matrices of the shafts and vectors of a Krylov space: no dense matrix.
+    /// Sparse factors and vectors of a Krylov space: no dense matrix.
     Bands,
     /// Mass, stiffness, damping and gyroscopic matrix.
     Matrices,
@@ -119,7 +119,7 @@ fn gigabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e9
 }
 
-/// Memory of band matrices, their factors and 300 vectors of 2n entries, for each degree of freedom, bytes.
+/// Memory of sparse matrices, their factors and 300 vectors of 2n entries, for each degree of freedom, bytes.
 const BYTES_OF_BANDS: u64 = 8192;
 /// Required memory up to which nothing is checked, and memory that is left for the work beside the results, bytes.
 const UNCHECKED_BYTES: u64 = 64 << 20;

@@ -1,21 +1,21 @@
-//! The lowest modes: from band matrices for a few modes of a large model, otherwise from dense matrices.
+//! The lowest modes: from sparse matrices for a few modes of a large model, otherwise from dense matrices.
 
 use super::{AnalysisError, Dense};
 use crate::modal::{self, CachedModel, Highest, MAX_DENSE, MIN_BANDED, Mode, ModeSelection, Residual};
 use crate::model::Model;
 
-/// Part of all modes up to which they are a few: band matrices are then faster, and the gaps between modes are wide.
+/// Part of all modes up to which they are a few: sparse matrices are then faster, and the gaps between modes are wide.
 const MAX_BAND_MODE_FRACTION: f64 = 0.15;
 
 /// Number of modes that are computed beyond the wanted ones, of which some are motions of rigid bodies or overdamped.
 pub(super) const FURTHER_MODES: usize = 5;
 
-/// Whether band matrices are faster than dense ones for one response.
+/// Whether sparse matrices are faster than dense ones for one response.
 pub(super) fn is_banded(model: &Model) -> bool {
     model.len() >= MIN_BANDED
 }
 
-/// Whether band matrices are faster than dense ones for `count` modes.
+/// Whether sparse matrices are faster than dense ones for `count` modes.
 pub(super) fn uses_bands(model: &Model, count: usize) -> bool {
     is_banded(model) && count as f64 <= MAX_BAND_MODE_FRACTION * model.len() as f64
 }

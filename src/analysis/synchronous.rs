@@ -171,7 +171,7 @@ pub(super) fn response_to(
     found.ok_or_else(|| unsolved(speed))?.checked(speed, &cached.model.scene.shafts[load.shaft].name)
 }
 
-/// Solves S x = f, or Sᵀ x = f for [`Side::Left`]. Band matrices without modal damping give a solution with at most the backward
+/// Solves S x = f, or Sᵀ x = f for [`Side::Left`]. Sparse matrices without modal damping give a solution with at most the backward
 /// error `tolerance`; zero asks for round-off. `None` at an undamped natural frequency of a model that is too large for dense
 /// matrices.
 ///
@@ -231,7 +231,7 @@ pub(super) fn rotating_force(
     force.iter().any(|value| *value != Complex::ZERO).then_some(force)
 }
 
-/// Solves S x = f with the band matrices of the shafts, without modal damping to a backward error or, if it is zero, to
+/// Solves S x = f with sparse factors, without modal damping to a backward error or, if it is zero, to
 /// round-off; `None` if round-off leaves no accurate solution.
 fn banded(
     cached: &CachedModel,

@@ -222,7 +222,7 @@ impl Grid {
             self.pressure[at] = self.source(row, column, beta);
         }
         // The matrix is positive definite, unless its entries are not finite: then the pressure is not known.
-        match band.factor_without_exchanges() {
+        match band.factor() {
             Ok(factors) => factors.solve(&mut self.pressure[first..last]),
             Err(Singular) => self.pressure.fill(f64::NAN),
         }

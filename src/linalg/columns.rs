@@ -5,7 +5,7 @@
 
 use pulp::Arch;
 
-use super::band::Number;
+use super::number::Number;
 use super::product::LANES;
 
 /// Columns that share one pass over the vector.

@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::band::Number;
+use super::number::Number;
 
 /// Largest number of products with the operator.
 const MAX_PRODUCTS: usize = 80;

@@ -9,9 +9,9 @@ use faer::{Auto, Mat, MatRef, Par, Spec};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, Storage, Vector};
 use thiserror::Error;
 
-use super::band::{Number, Singular};
 use super::convert::{copy, view};
 use super::inverse_iteration::refine_eigenvectors;
+use super::number::{Number, Singular};
 
 /// Failure of a dense decomposition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -203,49 +203,6 @@ impl<T: ComplexField + Copy + nalgebra::Scalar> LuFactors<T> {
     /// Solves A X = B for B = `right`.
     pub fn solve(&self, right: &DMatrix<T>) -> DMatrix<T> {
         copy(self.0.solve(view(right)).as_ref())
-    }
-}
-
-/// LU factors, with partial pivoting, of a small square complex matrix.
-#[derive(Clone, Debug)]
-pub struct ComplexLu(nalgebra::LU<Complex<f64>, nalgebra::Dyn, nalgebra::Dyn>);
-
-impl ComplexLu {
-    /// Factorizes a matrix.
-    pub fn new(matrix: &DMatrix<Complex<f64>>) -> Self {
-        Self(matrix.clone().lu())
-    }
-
-    /// Whether no pivot is zero or not finite.
-    pub fn is_regular(&self) -> bool {
-        self.pivots().all(|pivot| pivot.l1_norm() > 0.0 && pivot.is_finite())
-    }
-
-    /// Replaces the right-hand side by the solution of a regular system.
-    pub fn solve(&self, right: &mut DMatrix<Complex<f64>>) {
-        self.0.solve_mut(right);
-    }
-
-    /// The same with the transposed matrix.
-    pub fn solve_transposed(&self, right: &mut DMatrix<Complex<f64>>) {
-        let factors = self.0.lu_internal();
-        // Uᵀ z = b, Lᵀ w = z and x = Pᵀ w.
-        let is_regular = factors.tr_solve_upper_triangular_mut(right);
-        debug_assert!(is_regular, "the matrix is regular");
-        for column in 0..right.ncols() {
-            for i in (0..right.nrows()).rev() {
-                let known: Complex<f64> = (i + 1..right.nrows()).map(|j| factors[(j, i)] * right[(j, column)]).sum();
-                right[(i, column)] -= known;
-            }
-        }
-        self.0.p().inv_permute_rows(right);
-    }
-
-    /// Numbers whose product is the determinant.
-    pub fn pivots(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
-        let upper = self.0.lu_internal();
-        let sign: Complex<f64> = self.0.p().determinant();
-        (0..upper.nrows()).map(|i| upper[(i, i)]).chain(std::iter::once(sign))
     }
 }
 

@@ -8,9 +8,9 @@
 
 use nalgebra::{Complex, ComplexField as _, DMatrix, DVector};
 
-use super::band::Number;
 use super::columns::{add_combination, combination, products};
 use super::dense::{DecompositionError, Eigen, eigen};
+use super::number::Number;
 use crate::numerics::ROUND_OFF;
 
 /// An operator with the inner product in which it is close to normal.

@@ -4,7 +4,7 @@
 //! Loan, Matrix Computations, 4th ed., section 8.4). Bisection with this count finds the largest one, inverse iteration its
 //! vector.
 
-use super::band::Band;
+use super::sparse_lu::{Pivots, SparseColumns, SparseLu};
 use crate::numerics::SUM_ROUND_OFF;
 
 /// Largest number of bisections: each halves an interval of doubles.
@@ -48,16 +48,12 @@ fn is_bound(diagonal: &[f64], beside: &[f64], x: f64) -> bool {
 /// Eigenvector of unit length of the eigenvalue `value`, m entries.
 pub fn eigenvector(diagonal: &[f64], beside: &[f64], value: f64) -> Vec<f64> {
     let size = diagonal.len();
-    let mut shifted = Band::zeros(size, 1);
-    for (row, entry) in diagonal.iter().enumerate() {
-        shifted.add(row, row, entry - value * (1.0 + SUM_ROUND_OFF));
-    }
-    for (row, entry) in beside.iter().enumerate().take(size.saturating_sub(1)) {
-        shifted.add(row, row + 1, *entry);
-        shifted.add(row + 1, row, *entry);
-    }
+    let own = || diagonal.iter().enumerate().map(|(row, entry)| (row, row, entry - value * (1.0 + SUM_ROUND_OFF)));
+    let pairs = || beside.iter().enumerate().take(size.saturating_sub(1));
+    let sides = || pairs().flat_map(|(row, entry)| [(row, row + 1, *entry), (row + 1, row, *entry)]);
+    let shifted = SparseColumns::new(size, || own().chain(sides()));
     let mut vector = vec![1.0; size];
-    if let Ok(factors) = shifted.factor() {
+    if let Ok(factors) = SparseLu::new(&shifted, (0..size).collect(), Pivots::Threshold) {
         for _ in 0..INVERSE_ITERATIONS {
             factors.solve(&mut vector);
             let length = vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt();

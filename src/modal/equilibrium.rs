@@ -1,6 +1,6 @@
 //! Static equilibrium under torques, gravity and the forces of meshes and bearings, by Newton's method with the exact tangent.
 //!
-//! Each step solves one system with the band matrices of the shafts, in time proportional to n. The solution contains no
+//! Each step solves one system with sparse factors, in time proportional to n. The solution contains no
 //! null motion (motion without elastic force, for example the rigid-body rotation), in the inner product of the mass
 //! matrix. A load that drives a null motion has no equilibrium.
 
@@ -18,7 +18,7 @@ use self::refusals::{check_balance, check_constraints, check_rotation, unconverg
 use crate::bearing_force::MAX_RESIDUAL;
 use crate::connection::BearingTangent;
 use crate::film::{MAX_ECCENTRICITY_RATIO, TOUCHING_RATIO};
-use crate::linalg::{CoupledBands, CoupledFactors, DecompositionError};
+use crate::linalg::{CoupledChains, CoupledFactors, DecompositionError};
 use crate::mesh::{Flank, Geometry, Overlap};
 use crate::modal::undamped::{Pins, null_motions};
 use crate::model::{Model, Weights};
@@ -201,7 +201,7 @@ struct Search<'m> {
     at_rest: AtRest<'m>,
     pins: Pins,
     /// Stiffness of shafts, bearings with constant coefficients, links and pins.
-    linear: CoupledBands,
+    linear: CoupledChains,
 }
 
 impl<'m> Search<'m> {
@@ -432,7 +432,7 @@ impl<'m> Search<'m> {
         let (model, mut sum) = (&self.at_rest.model, self.linear.clone());
         tangent.iter().for_each(|part| part.add_to(model, &mut sum));
         regularisation(model, norm).for_each(|part| part.add_to(model, &mut sum));
-        Ok(sum.factor(1.0)?)
+        Ok(sum.factor()?)
     }
 }
 

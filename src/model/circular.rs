@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::{Model, RodChain};
-use crate::linalg::{BandOrder, CoupledBands, CoupledFactors, Side, Singular};
+use crate::linalg::{BandOrder, CoupledChains, CoupledFactors, Side, Singular};
 
 /// The coordinates of one chain of a shaft.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,8 @@ impl Model {
                 |chain: &RodChain| Part { start: chain.start, order: chain.stiffness.band_order(), lateral: false };
             bending.into_iter().chain(shaft.rods().map(rod))
         });
-        let housings = Part { start: self.housings.start, order: self.housings.band_order(), lateral: false };
+        let housings = BandOrder { per_node: 1, nodes: self.housings.inertia.len(), per_element: 0 };
+        let housings = Part { start: self.housings.start, order: housings, lateral: false };
         shafts.chain((!self.housings.inertia.is_empty()).then_some(housings)).collect()
     }
 
@@ -64,7 +65,7 @@ impl Model {
     }
 
     /// Adds `value` to the entry of two coordinates in the order of the core.
-    pub fn add_entry(&self, sum: &mut CoupledBands, row: usize, column: usize, value: Complex64) {
+    pub fn add_entry(&self, sum: &mut CoupledChains, row: usize, column: usize, value: Complex64) {
         if value == Complex64::ZERO {
             return;
         }

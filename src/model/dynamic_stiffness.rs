@@ -1,20 +1,22 @@
-//! Dynamic stiffness S(λ) = λ²M + λ(C + ΩG) + K as band matrices of the shafts that a few coordinates couple.
+//! Dynamic stiffness S(λ) = λ²M + λ(C + ΩG) + K as band matrices of the shafts, and couplings between them.
 //!
 //! The circular coordinates p = v + iw (forward) and m = v − iw (backward) of each node uncouple the two planes of a shaft:
 //! the gyroscopic term is −iλΩ_s G_s for p and +iλΩ_s G_s for m. A shaft is therefore three chains, p, m and torsion,
 //! and a fourth one where it moves along its axis. A
 //! bearing with the same coefficients in every direction belongs to the chains. Other bearings couple p and m of their
-//! node, and a mesh couples those of its two gears. The coordinates of supports and housings are a chain of their own.
+//! node, and a mesh couples those of its two gears. The inertia of supports and housings couples none of their coordinates.
 //!
 //! `circular.rs` has the order of the circular coordinates, in which the internal coordinates of an element lie between
 //! those of its nodes.
+
+use std::sync::Arc;
 
 use num_complex::Complex64;
 
 use super::shaft::{Chain, ShaftModel};
 use super::{HousingInertia, Link, Model, Support};
 use crate::connection::{Connection, Row};
-use crate::linalg::{BandChain, ChainMatrix, CoupledBands};
+use crate::linalg::{BandChain, ChainMatrix, CoupledChains, Structure};
 
 /// Structural damping, ηK of the elements with a loss factor η, in a motion of the frequency ω at a speed of the reference
 /// shaft. The force i sgn(ω) ηK u of an element that stands still does the same work in each cycle, whatever the frequency is.
@@ -122,7 +124,7 @@ impl Weights {
 impl Model {
     /// Weighted sum of the matrices of shafts, bearings and connections, with the loaded flanks at `speed` (reference
     /// shaft, rad/s).
-    pub fn dynamic_stiffness(&self, weights: &Weights, speed: f64) -> CoupledBands {
+    pub fn dynamic_stiffness(&self, weights: &Weights, speed: f64) -> CoupledChains {
         let mut sum = self.shaft_stiffness(weights);
         for connection in self.connections(speed).filter(Connection::is_local) {
             let (rows, coefficients) = (connection.rows(), connection.linear(speed));
@@ -135,14 +137,9 @@ impl Model {
     }
 
     /// Weighted sum of the matrices of shafts and bearings.
-    pub fn shaft_stiffness(&self, weights: &Weights) -> CoupledBands {
-        let mut sum = CoupledBands::default();
-        for shaft in &self.shafts {
-            push_bending(&mut sum, shaft, weights, self.circulation);
-            let stiffness = weights.stiffness_of(shaft.loss_factor);
-            shaft.rods().for_each(|chain| sum.push(weighted_sum(chain, &Weights { stiffness, ..*weights })));
-        }
-        push_housings(&mut sum, &self.housings, weights);
+    pub fn shaft_stiffness(&self, weights: &Weights) -> CoupledChains {
+        let structure = self.structure.get_or_init(|| Arc::new(self.find_structure()));
+        let mut sum = self.chains(weights, Arc::clone(structure));
         let speed = self.circulation.filter(|_| !weights.symmetric).unwrap_or_default();
         let frame_part = |support: &Support| support.frame_part(speed);
         for support in &self.supports {
@@ -164,10 +161,42 @@ impl Model {
                 factor * stiffness[i][j] + weights.damping * local.damping[i][j] + weights.stiffness * frame[i][j]
             });
         }
-        if !weights.symmetric {
-            self.add_planets(&mut sum, weights.stiffness);
+        if let Some(speed) = self.circulation.filter(|_| !weights.symmetric) {
+            self.add_planets(&mut sum, speed, weights.stiffness);
         }
         sum
+    }
+
+    /// Weighted sum of the matrices of shafts and of the inertia of housings.
+    fn chains(&self, weights: &Weights, structure: Arc<Structure>) -> CoupledChains {
+        let mut sum = CoupledChains::new(structure);
+        for shaft in &self.shafts {
+            push_bending(&mut sum, shaft, weights, self.circulation);
+            let stiffness = weights.stiffness_of(shaft.loss_factor);
+            shaft.rods().for_each(|chain| sum.push(weighted_sum(chain, &Weights { stiffness, ..*weights })));
+        }
+        push_housings(&mut sum, &self.housings, weights);
+        sum
+    }
+
+    /// Structure of the matrices at all speeds and frequencies: that of a matrix in which every element couples all its scalars.
+    fn find_structure(&self) -> Structure {
+        let one = Complex64::ONE;
+        let standing = Weights::stiffness();
+        let mut sum = self.chains(&Weights { damping: one, mass: one, gyroscopic: one, ..standing }, Arc::default());
+        for Support { index, .. } in &self.supports {
+            for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                self.add_entry(&mut sum, index + row, index + column, one);
+            }
+        }
+        for Link { rows, .. } in &self.links {
+            self.add_form(&mut sum, rows, |_, _| one);
+        }
+        for connection in self.connections(0.0).filter(Connection::is_local) {
+            self.add_form(&mut sum, &connection.rows(), |_, _| one);
+        }
+        self.add_planets(&mut sum, 1.0, one);
+        sum.structure()
     }
 
     /// Diagonal entries of the stiffness matrix of the shafts, and of the links at supports and housings (one where these
@@ -203,7 +232,7 @@ impl Model {
     }
 
     /// Adds Σᵢⱼ value(i, j)·rᵢ·rⱼᵀ, where rᵢ is the vector `rows[i]`.
-    pub fn add_form(&self, sum: &mut CoupledBands, rows: &[Row], value: impl Fn(usize, usize) -> Complex64) {
+    pub fn add_form(&self, sum: &mut CoupledChains, rows: &[Row], value: impl Fn(usize, usize) -> Complex64) {
         // Motions with the force on each for a unit force on the row, and the part of each in the displacement of the row.
         let mut circular = |row: &Row| {
             let mut motions = Vec::with_capacity(2 * row.len().min(2));
@@ -235,7 +264,7 @@ impl Model {
 }
 
 /// Appends the chains p and m of a shaft, with its circulatory forces and those of its frame at the speed `circulation`, rad/s.
-fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights, circulation: Option<f64>) {
+fn push_bending(sum: &mut CoupledChains, shaft: &ShaftModel, weights: &Weights, circulation: Option<f64>) {
     let Some(chain) = &shaft.bending else {
         return;
     };
@@ -264,19 +293,11 @@ fn push_bending(sum: &mut CoupledBands, shaft: &ShaftModel, weights: &Weights, c
     }
 }
 
-/// Appends the coordinates of supports and housings, whose inertia couples none of them. The modes of an elastic housing are a
-/// chain of their own, whose matrix is diagonal.
-fn push_housings(sum: &mut CoupledBands, housings: &HousingInertia, weights: &Weights) {
-    let coordinates: Vec<(usize, f64)> = housings.coordinates().zip(housings.inertia.iter().copied()).collect();
-    let housing = |(index, _): &(usize, f64)| housings.housing_of_mode(*index);
-    for chain in coordinates.chunk_by(|a, b| housing(a) == housing(b)) {
-        let is_diagonal = chain.first().is_some_and(|first| housing(first).is_some());
-        let mut band = BandChain::zeros(chain.len(), if is_diagonal { 0 } else { housings.band_order().reach() });
-        for (row, (_, inertia)) in chain.iter().enumerate() {
-            band.add(row, row, weights.mass * *inertia);
-        }
-        sum.push(band);
-    }
+/// Appends the coordinates of supports and housings, whose inertia couples none of them.
+fn push_housings(sum: &mut CoupledChains, housings: &HousingInertia, weights: &Weights) {
+    let mut band = BandChain::zeros(housings.inertia.len(), 0);
+    housings.inertia.iter().enumerate().for_each(|(row, inertia)| band.add(row, row, weights.mass * *inertia));
+    sum.push(band);
 }
 
 /// stiffness·K + mass·M + damping·C of a chain, without gyroscopic terms.

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use super::{Model, Numbering};
 use crate::connection::Row;
-use crate::linalg::BandOrder;
 use crate::scene::description::ElasticBody;
 use crate::scene::{Attachment, Housing, HousingPoint, Node, Scene};
 
@@ -48,19 +47,9 @@ impl HousingInertia {
         self.start..self.start + self.inertia.len()
     }
 
-    /// Order of the coordinates in a band matrix.
-    pub fn band_order(&self) -> BandOrder {
-        BandOrder { per_node: 1, nodes: self.inertia.len(), per_element: 0 }
-    }
-
     /// Whether a coordinate, in the order of the core, is a mode of an elastic housing.
     pub fn is_mode(&self, index: usize) -> bool {
-        self.housing_of_mode(index).is_some()
-    }
-
-    /// Number of the elastic housing of which a coordinate, in the order of the core, is a mode.
-    pub fn housing_of_mode(&self, index: usize) -> Option<usize> {
-        self.modes.iter().position(|modes| modes.contains(&index))
+        self.modes.iter().any(|modes| modes.contains(&index))
     }
 
     /// The parts of a row: single coordinates, and all entries over the modes of one elastic housing.

@@ -36,6 +36,8 @@ mod shaft;
 mod turning_bow;
 mod turning_frame;
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
@@ -52,7 +54,7 @@ pub use turning_bow::{bow_force, is_bowed};
 pub use turning_frame::Planet;
 
 use crate::connection::{AppliedLoad, Connection, NonlinearBearing, Row, SpeedDependentBearing, TurningBow};
-use crate::linalg::NotPositiveDefinite;
+use crate::linalg::{NotPositiveDefinite, Structure};
 use crate::mesh::stiffness::Stiffness;
 use crate::mesh::{GearMesh, MeshCoordinates};
 use crate::numerics::ROUND_OFF;
@@ -196,6 +198,8 @@ pub struct Model {
     sigma_standing: Vec<f64>,
     /// Chains of all shafts, and the coordinates of supports and housings, ascending.
     parts: Vec<circular::Part>,
+    /// Structure of the dynamic stiffness, which models of the same scene at all speeds share.
+    structure: Arc<OnceLock<Arc<Structure>>>,
 }
 
 impl Model {
@@ -247,6 +251,7 @@ impl Model {
             circulation: None,
             bows: Vec::new(),
             parts: Vec::new(),
+            structure: Arc::default(),
         };
         model.parts = model.find_parts();
         model.planets = model.find_planets();

@@ -19,7 +19,7 @@ use super::free_rotation::entries;
 use super::matrices::Add;
 use super::{BendingChain, Model, ShaftModel, Support};
 use crate::connection::Row;
-use crate::linalg::CoupledBands;
+use crate::linalg::CoupledChains;
 use crate::scene::{Matrix2, Node};
 
 /// A planet on pins of a carrier that turns.
@@ -154,12 +154,10 @@ impl Model {
         }
     }
 
-    /// Adds the terms between planets and the twist of their carrier to a weighted sum.
-    pub(super) fn add_planets(&self, sum: &mut CoupledBands, factor: Complex64) {
-        if let Some(speed) = self.circulation {
-            for planet in &self.planets {
-                planet.visit_twist(speed, &mut |row, column, value| self.add_entry(sum, row, column, factor * value));
-            }
+    /// Adds the terms between planets and the twist of their carrier, at a speed of the reference shaft, to a weighted sum.
+    pub(super) fn add_planets(&self, sum: &mut CoupledChains, speed: f64, factor: Complex64) {
+        for planet in &self.planets {
+            planet.visit_twist(speed, &mut |row, column, value| self.add_entry(sum, row, column, factor * value));
         }
     }
 

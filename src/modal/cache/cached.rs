@@ -111,7 +111,7 @@ struct LinearPart {
     modes: [OnceLock<Result<RealModes, DecompositionError>>; 3],
     /// Lowest and highest frequency for each [`crate::model::Rotation`].
     ranges: [OnceLock<Result<SpectralRange, DecompositionError>>; 3],
-    /// Lowest undamped modes; none where band matrices do not give them.
+    /// Lowest undamped modes; none where sparse matrices do not give them.
     lowest: Recent<LowestKey, Option<Arc<UndampedSpace>>, 2>,
     /// Modal damping.
     damping: Recent<DampingKey, Arc<ModalDamping>>,

@@ -6,8 +6,8 @@
 //!
 //! with the structural damping H ([`StructuralDamping`]).
 //!
-//! Without modal damping D, S is a band matrix of the shafts with couplings, whose factors give the solution. With D, they are
-//! those of a band matrix P close to S ([`ModalDamping`]): with the same damping for a motion of the frequency |λ|. In an
+//! Without modal damping D, S is a sparse matrix, whose factors give the solution. With D, they are
+//! those of a sparse matrix P close to S ([`ModalDamping`]): with the same damping for a motion of the frequency |λ|. In an
 //! undamped mode of the frequency ω_j, P⁻¹S = I − E with |E| = ζ(ω_j − ω)²/|ω_j² − ω² + iζ(ω_j² + ω²)| at most, which is zero at
 //! resonance and ζ at any other frequency. Conjugate residuals therefore converge in few iterations, whose number does not
 //! depend on n.
@@ -92,7 +92,7 @@ impl DynamicStiffnessSolver {
         }
         let mut matrix = model.dynamic_stiffness(&weights, flank_speed);
         pins.add_to(model, &mut matrix);
-        let factors = matrix.factor(if spin < 0.0 { -1.0 } else { 1.0 });
+        let factors = matrix.factor();
         Ok(factors.map(|factors| Self { at, factors, pins, modal, structural, transposed: Arc::default() }))
     }
 

@@ -1,6 +1,6 @@
 //! Right and left vectors of an eigenvalue λ, S(λ) x = 0 and yᵀ S(λ) = 0, by inverse iteration.
 //!
-//! The solutions are those of band matrices of the shafts. Modal damping D = B R Bᵀ adds a matrix of low rank (Woodbury; Golub
+//! The solutions are those of sparse factors. Modal damping D = B R Bᵀ adds a matrix of low rank (Woodbury; Golub
 //! and Van Loan, Matrix Computations, 4th ed., section 2.1.4): (S + λBRBᵀ)⁻¹ f = S⁻¹ (f − B c) with (I + λRG) c = λR Bᵀ S⁻¹ f and
 //! G = Bᵀ S⁻¹ B. Time and memory are proportional to n.
 
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 use super::residual::{Residual, residual};
-use crate::linalg::{ComplexLu, CoupledFactors, DecompositionError, Side, Singular, image_of_parts, matrix_of_columns};
+use crate::linalg::{CoupledFactors, DecompositionError, LuFactors, Side, Singular, image_of_parts, matrix_of_columns};
 use crate::modal::cache::{CachedModel, EquationForces, dynamic_force};
 use crate::modal::lowest::Highest;
 use crate::modal::undamped::ModalDamping;
@@ -127,7 +127,7 @@ struct Update<'m> {
     /// λR, m × m symmetric.
     rates: DMatrix<Complex64>,
     /// Factors of I + λRG and of I + λRGᵀ, m × m.
-    capacities: [ComplexLu; 2],
+    capacities: [LuFactors<Complex64>; 2],
 }
 
 impl<'m> Inverse<'m> {
@@ -137,8 +137,7 @@ impl<'m> Inverse<'m> {
         speed: f64,
         modal: Option<&'m ModalDamping>,
     ) -> Result<Self, DecompositionError> {
-        let sense = if eigenvalue.im < 0.0 { -1.0 } else { 1.0 };
-        let factors = model.dynamic_stiffness(&Weights::mode(eigenvalue, speed), speed).factor(sense)?;
+        let factors = model.dynamic_stiffness(&Weights::mode(eigenvalue, speed), speed).factor()?;
         let mut inverse = Self { model, factors, update: None };
         if let Some(modal) = modal {
             let momenta = &modal.momenta;
@@ -149,7 +148,7 @@ impl<'m> Inverse<'m> {
             }
             let rates = modal.rates.map(|rate| eigenvalue * rate);
             let identity = DMatrix::identity(rates.nrows(), rates.ncols());
-            let capacity = |responses: &DMatrix<Complex64>| ComplexLu::new(&(&identity + &rates * responses));
+            let capacity = |responses: &DMatrix<Complex64>| LuFactors::new(&(&identity + &rates * responses));
             let capacities = [capacity(&responses), capacity(&responses.transpose())];
             inverse.update = Some(Update { modal, rates, capacities });
         }
@@ -166,8 +165,8 @@ impl<'m> Inverse<'m> {
         let Some(Update { modal, rates, capacities }) = &self.update else {
             return Ok(found);
         };
-        let mut forces = DMatrix::from_columns(&[rates * projected(&modal.momenta, &found)]);
-        capacities[usize::from(side == Side::Left)].solve(&mut forces);
+        let forces = DMatrix::from_columns(&[rates * projected(&modal.momenta, &found)]);
+        let forces = capacities[usize::from(side == Side::Left)].solve(&forces);
         let change = image_of_parts(&forces.column(0).into_owned(), |part| &*modal.momenta * part);
         self.plain(side, &(force - change))
     }

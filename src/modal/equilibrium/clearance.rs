@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use crate::connection::Row;
 use crate::film::nearness_after_step;
-use crate::linalg::CoupledBands;
+use crate::linalg::CoupledChains;
 use crate::model::Model;
 use crate::scene::{EntryPath, SceneError};
 
@@ -20,7 +20,7 @@ pub(in crate::modal) enum TangentPart {
 
 impl TangentPart {
     /// Adds it to a matrix.
-    pub fn add_to(&self, model: &Model, sum: &mut CoupledBands) {
+    pub fn add_to(&self, model: &Model, sum: &mut CoupledChains) {
         match self {
             Self::Entry(row, column, value) => model.add_entry(sum, *row, *column, Complex64::from(*value)),
             Self::Form(rows, stiffness) => model.add_form(sum, rows, |i, j| Complex64::from(stiffness[(i, j)])),

@@ -243,7 +243,7 @@ impl<'m> CriticalInverse<'m> {
         }
         let mut matrix = self.model.dynamic_stiffness(&weights(Complex64::ZERO, self.order), self.order);
         self.pins.add_to(self.model, &mut matrix);
-        let factors = matrix.factor(1.0)?;
+        let factors = matrix.factor()?;
         Ok(self.factors.get_or_init(|| factors))
     }
 
@@ -312,7 +312,7 @@ impl<'m> CriticalInverse<'m> {
         }
         let determinant = |sigma: Complex64| {
             let matrix = self.model.dynamic_stiffness(&weights(sigma, self.order), self.order);
-            matrix.determinant(-1.0).ok()
+            matrix.determinant().ok()
         };
         contour::missing_in_disk(determinant, &Known { zeros: self.null.ncols(), values }, limit)
     }

@@ -33,9 +33,9 @@ const MIN_DAMPED_MODES: usize = 80;
 const FREQUENCY_MARGIN: f64 = 8.0;
 /// Part of all modes up to which a Krylov space gives the lowest ones faster than dense matrices give all.
 const MAX_KRYLOV_FRACTION: f64 = 0.3;
-/// Smallest number of degrees of freedom for which band matrices give few modes or responses faster than dense ones.
+/// Smallest number of degrees of freedom for which sparse matrices give few modes or responses faster than dense ones.
 pub const MIN_BANDED: usize = 100;
-/// Largest number of degrees of freedom for which dense matrices replace band matrices that do not give an answer. All modes of
+/// Largest number of degrees of freedom for which dense matrices replace sparse matrices that do not give an answer. All modes of
 /// such a model take minutes.
 pub const MAX_DENSE: usize = 2000;
 /// Smallest number of lowest modes in which damping of all modes changes with the speed, and number of real shifts of the displacements
@@ -99,9 +99,9 @@ pub struct UndampedSearch<'m> {
     pub speed: f64,
     /// Lowest and highest frequency.
     pub range: &'m SpectralRange,
-    /// Lowest modes from band matrices; none if these do not give them.
+    /// Lowest modes from sparse matrices; none if these do not give them.
     pub lowest: &'m dyn Fn(LowestModes) -> Result<Option<Arc<UndampedSpace>>, DecompositionError>,
-    /// All modes, where band matrices do not give the lowest ones.
+    /// All modes, where sparse matrices do not give the lowest ones.
     pub all: &'m dyn Fn() -> Result<&'m RealModes, DecompositionError>,
 }
 
@@ -125,7 +125,7 @@ pub struct ModalSpace {
     reach: f64,
 }
 
-/// The lowest undamped modes of a model at `speed` of the reference shaft, rad/s, from band matrices; `None` if these do
+/// The lowest undamped modes of a model at `speed` of the reference shaft, rad/s, from sparse matrices; `None` if these do
 /// not give them.
 ///
 /// # Errors
@@ -185,7 +185,7 @@ impl ModalSpace {
         Self::of_modes(search, rows, &modes)
     }
 
-    /// The same with the `count` lowest modes; `None` if band matrices do not give them.
+    /// The same with the `count` lowest modes; `None` if sparse matrices do not give them.
     ///
     /// # Errors
     /// [`DecompositionError`] if a decomposition fails.

@@ -1,4 +1,4 @@
-//! One mode by Newton's method, at a speed or on a line of the Campbell diagram, Im λ = order·Ω: from the band matrices of the
+//! One mode by Newton's method, at a speed or on a line of the Campbell diagram, Im λ = order·Ω: from the sparse matrices of the
 //! shafts, or in the space of [`super::mode_space`].
 
 use nalgebra::{Complex, DMatrix, DVector};
@@ -152,7 +152,7 @@ pub(super) fn newton(equations: &impl Equations, unknown: Unknown, mut at: ModeA
 }
 
 /// The equations in the coordinates of the model, whose residual comes from the strains, so that the stiff modes cause no
-/// round-off in the soft ones. With modal damping, a band matrix close to S(λ) solves them, and the error decreases by the damping
+/// round-off in the soft ones. With modal damping, a sparse matrix close to S(λ) solves them, and the error decreases by the damping
 /// ratio in each iteration.
 pub struct FullEquations<'m> {
     /// Model at a speed.
@@ -182,10 +182,9 @@ impl Equations for FullEquations<'_> {
 
     fn solve(&self, at: &ModeAtSpeed, mut right: DMatrix<Complex64>) -> Result<DMatrix<Complex64>, Singular> {
         let Self { model, modal } = *self;
-        let sense = if at.eigenvalue.re < 0.0 { -1.0 } else { 1.0 };
         let weights = Weights::mode(at.eigenvalue, at.speed);
         let weights = modal.map_or(weights, |modal| modal.banded(at.eigenvalue, weights));
-        let factors = model.dynamic_stiffness(&weights, at.speed).factor(sense)?;
+        let factors = model.dynamic_stiffness(&weights, at.speed).factor()?;
         for mut column in right.column_iter_mut() {
             let (x, _) = model.solve(&factors, Side::Right, None, column.as_slice())?;
             column.copy_from(&x);

@@ -4,7 +4,7 @@
 //! T (x, z) = (u, x + s u),    S(s) u = −M z − (D + sM) x,    λ = s + 1/θ    for an eigenvalue θ of T
 //! ```
 //!
-//! The state is y = (x, z), z = λx. Each product with T solves one system with the band matrices of the shafts. Without
+//! The state is y = (x, z), z = λx. Each product with T solves one system with sparse factors. Without
 //! damping, gyroscopic and circulatory forces T = (K + s²M)⁻¹M is half as large, and symmetric. The inner product is that
 //! of the energy, in which T is normal if nothing damps.
 
@@ -146,7 +146,7 @@ impl<'m> Problem<'m> {
         }
     }
 
-    /// Weights of S(λ); of a band matrix close to it with modal damping. Nowhere between them is a matrix singular, apart from
+    /// Weights of S(λ); of a sparse matrix close to it with modal damping. Nowhere between them is a matrix singular, apart from
     /// the neighbourhood of eigenvalues.
     pub fn weights(&self, at: Complex64) -> Weights {
         let weights = Weights::dynamic(at, self.speed);
@@ -171,9 +171,8 @@ impl<'m> Problem<'m> {
         }
         let zeros = self.null.ncols() + if self.undamped { self.null.ncols() } else { self.free.len() };
         let determinant = |at: Complex64| {
-            let sense = if at.re < 0.0 { -1.0 } else { 1.0 };
             let matrix = self.model.dynamic_stiffness(&self.weights(at), self.speed);
-            matrix.determinant(sense).ok()
+            matrix.determinant().ok()
         };
         contour::missing_in_disk(determinant, &Known { zeros, values: found.to_vec() }, radius)
     }
@@ -251,7 +250,7 @@ impl<'p, 'm> FirstOrderInverse<'p, 'm> {
     pub fn new(problem: &'p Problem<'m>) -> Result<Self, DecompositionError> {
         let shift = problem.shift;
         let weights = Weights::dynamic(Complex64::from(shift), problem.speed);
-        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor(1.0)?;
+        let factors = problem.model.dynamic_stiffness(&weights, problem.speed).factor()?;
         let update = problem.modal.map(|modal| -> Result<_, DecompositionError> {
             let responses = problem.model.solve_columns(&factors, &modal.momenta)?;
             let rates = &modal.rates * shift;

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! D has a low rank. The modes that are left out respond without damping; far above the frequencies in question they respond
-//! as springs. A band matrix replaces D where only an approximation is needed: for motions of the frequency |λ|, the matrix
+//! as springs. A sparse matrix replaces D where only an approximation is needed: for motions of the frequency |λ|, the matrix
 //! ζ(|λ|M + K/|λ|) with the ratio of the nearest mode has the same damping, and for others the difference is at most this
 //! matrix itself, if all modes have the same ratio.
 
@@ -114,7 +114,7 @@ impl ModalDamping {
         self.ratios.of_mode(nearest, frequency)
     }
 
-    /// Weights of a band matrix close to S(λ) + λD for the weights of S(λ).
+    /// Weights of a sparse matrix close to S(λ) + λD for the weights of S(λ).
     pub(in crate::modal) fn banded(&self, eigenvalue: Complex64, weights: Weights) -> Weights {
         let size = eigenvalue.norm();
         let damping = eigenvalue / size * self.ratio_near(size);

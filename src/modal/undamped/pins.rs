@@ -8,7 +8,7 @@
 use nalgebra::{ComplexField, DMatrix, DVector};
 use num_complex::Complex64;
 
-use crate::linalg::CoupledBands;
+use crate::linalg::CoupledChains;
 use crate::model::Model;
 
 /// Springs that constrain null motions.
@@ -45,7 +45,7 @@ impl Pins {
     }
 
     /// Adds the springs to a matrix.
-    pub fn add_to(&self, model: &Model, matrix: &mut CoupledBands) {
+    pub fn add_to(&self, model: &Model, matrix: &mut CoupledChains) {
         for (coordinate, stiffness) in &self.springs {
             model.add_entry(matrix, *coordinate, *coordinate, Complex64::from(*stiffness));
         }

@@ -168,7 +168,7 @@ impl<'m> ShiftInverse<'m> {
         let weights = Weights { symmetric: true, ..Weights::dynamic(Complex64::from(shift), 0.0) };
         let weights = Weights { damping: Complex64::ZERO, ..weights };
         let matrix = model.dynamic_stiffness(&weights, speed);
-        let factors = matrix.factor(1.0)?;
+        let factors = matrix.factor()?;
         Ok(Self { model, factors, shift, tolerance: 0.0 })
     }
 
