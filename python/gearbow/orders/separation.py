@@ -97,10 +97,7 @@ class OrderFit:
 def cut(
     turns: Array, values: Array, length: float | None, period: float | None = None
 ) -> list[SignalSegment]:
-    """Divide a record of a motion into segments; without a length, it is the complete record.
-
-    Length and period, if there is one, are in revolutions.
-    """
+    """Divide a record into segments of a length, or without one take all of it; lengths and period are in revolutions."""
     if length is None:
         if period is not None:
             even = turns[0] + period * np.arange(turns.size) / turns.size
