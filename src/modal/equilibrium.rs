@@ -352,7 +352,8 @@ impl<'m> Search<'m> {
                     factors = (ratio <= TANGENT_REUSE_RATIO).then_some(known);
                     point = next;
                 }
-                None if is_old => previous = f64::INFINITY,
+                // A small step of the new tangent that is as long as this one has stopped to decrease.
+                None if is_old => {}
                 None => break,
             }
         }

@@ -97,7 +97,7 @@ class OrderFit:
 def cut(
     turns: Array, values: Array, length: float | None, period: float | None = None
 ) -> list[SignalSegment]:
-    """Divide a record into segments of a length, or without one take all of it; lengths and period are in revolutions."""
+    """Divide a record into segments of a length [revolutions]; without one, it is one segment."""
     if length is None:
         if period is not None:
             even = turns[0] + period * np.arange(turns.size) / turns.size

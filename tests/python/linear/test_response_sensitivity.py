@@ -211,7 +211,8 @@ def test_the_table_and_the_figure_show_the_largest_amplitudes():
     assert largest.output_values[0] == np.abs(found.values[:, 0, 0]).max()
     panels = found.plot(count=2).axes
     assert len(panels) == 2
-    assert panels[0].get_yticklabels()[-1].get_text() == "shafts['input'].bow.amplitude"
+    assert panels[0].yaxis_inverted()
+    assert panels[0].get_yticklabels()[0].get_text() == "shafts['input'].bow.amplitude"
 
 
 def test_wrong_signals_are_refused():

@@ -420,7 +420,8 @@ def test_a_run_up_records_the_forces_of_its_coordinates() -> None:
     )
     speed = gb.SpeedProfile.ramp(80.0, 160.0, duration=8e-3)
     options: Any = {"rtol": 1e-8, "record": ["g4", ("output", 0.2), "section_forces"]}
-    runs = [system.simulate(8e-3, speed, method=m, **options) for m in ("exponential", "rk45")]
+    # The ramp ends later: there the angular acceleration has two values, of which a method may record either.
+    runs = [system.simulate(7.9e-3, speed, method=m, **options) for m in ("exponential", "rk45")]
     for at in ("g4", ("output", 0.2)):
         one, other = (run.section_forces(at).values for run in runs)
         assert np.abs(one - other).max() < 1e-4 * np.abs(other).max()

@@ -270,4 +270,5 @@ def test_the_table_and_the_figure_name_parameters_and_units():
     )
     panels = found.plot().axes
     assert [panel.get_title() for panel in panels] == ["mode 2 (coupled)", "mode 3 (forward)"]
-    assert panels[0].get_yticklabels()[-1].get_text() == "shafts['input'].outer_diameter"
+    assert panels[0].yaxis_inverted()
+    assert panels[0].get_yticklabels()[0].get_text() == "shafts['input'].outer_diameter"
