@@ -381,7 +381,12 @@ def test_the_suffix_of_a_saved_sweep_means_its_format(tmp_path):
         np.testing.assert_array_equal(data["array"], sweep.values("array"))
     sweep.save(tmp_path / "map.csv")
     table = pandas.read_csv(tmp_path / "map.csv", keep_default_na=False)
-    assert list(table.columns) == list(sweep.to_dataframe().columns)
+    names = list(sweep.to_dataframe().columns)
+    place = names.index("phasor")
+    assert list(table.columns) == [*names[:place], "phasor re", "phasor im", *names[place + 1 :]]
+    numbers, phasors = pandas.read_csv(tmp_path / "map.csv"), sweep.to_dataframe()["phasor"]
+    np.testing.assert_array_equal(numbers["phasor re"], np.real(phasors))
+    np.testing.assert_array_equal(numbers["phasor im"], np.imag(phasors))
     assert table["error"].tolist() == ["", "", "ValueError", "ValueError", "", ""]
     points = gb.sweep(plain, [{"a": 1, "b": 0}, {"a": 3, "b": 1}], values)
     points.save(tmp_path / "points.nc")

@@ -678,6 +678,7 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
         {
             "instability": {},
             "is_stable": {},
+            "largest_multiplier": {},
             "multipliers": {"magnitude": 0.5},
             "plot": {},
             "save": {"path": "x.npz"},
