@@ -44,11 +44,11 @@ struct LinearElement<'m> {
 impl<'m> LinearElement<'m> {
     fn of_support(model: &Model, support: &'m Support) -> Self {
         let rows = vec![vec![(support.index, 1.0)], vec![(support.index + 1, 1.0)]];
-        Self { rows, coefficients: support, in_frame: model.frame_part(support) }
+        Self { rows, coefficients: support, in_frame: model.stiffness_from_frame(support) }
     }
 
     fn of_link(model: &Model, link: &'m Link) -> Self {
-        Self { rows: link.rows.clone(), coefficients: &link.local, in_frame: model.frame_part(&link.local) }
+        Self { rows: link.rows.clone(), coefficients: &link.local, in_frame: model.stiffness_from_frame(&link.local) }
     }
 
     /// Rows of the force (K + iωC) u over the coordinates, N/m.

@@ -60,15 +60,16 @@ impl Section {
         let area = PI * (outer_radius * outer_radius - inner_radius * inner_radius);
         let second_moment = area * (outer_radius * outer_radius + inner_radius * inner_radius) / 4.0;
         let polar = 2.0 * second_moment;
-        let shear = if shear { shear_coefficient(poisson_ratio, inner_radius / outer_radius) * g * area } else { 0.0 };
+        let shear_rigidity =
+            if shear { shear_coefficient(poisson_ratio, inner_radius / outer_radius) * g * area } else { 0.0 };
         Self {
             mass: density * area,
             rotary: density * second_moment,
             polar_mass: density * polar,
-            flexural: e * second_moment * tube.stiffness,
-            shear: shear * tube.stiffness,
-            torsional: g * polar * tube.stiffness,
-            axial: e * area * tube.stiffness,
+            flexural: e * second_moment * tube.stiffness_fraction,
+            shear: shear_rigidity * tube.stiffness_fraction,
+            torsional: g * polar * tube.stiffness_fraction,
+            axial: e * area * tube.stiffness_fraction,
         }
     }
 

@@ -209,11 +209,11 @@ impl GearMesh {
         }
     }
 
-    /// Relative motion of the gears for displacements of the whole model.
+    /// As [`Self::relative`] for displacements, with the product τ·c of helical teeth in the rolling displacement.
     pub(super) fn position(&self, geometry: Geometry, q: &[f64]) -> RelativeMotion {
         let mut position = self.relative(q);
         if let Some(helix) = &self.helix {
-            helix.add_tilt(geometry, &mut position);
+            helix.add_tilt_product(geometry, &mut position);
         }
         position
     }
@@ -243,7 +243,7 @@ impl GearMesh {
     ) -> MeshPose<'a> {
         if let Some(helix) = &self.helix {
             helix.add_tilt_rate(geometry, &position, &mut velocity);
-            helix.add_tilt(geometry, &mut position);
+            helix.add_tilt_product(geometry, &mut position);
         }
         MeshPose { geometry, sigma, phases, position, velocity }
     }

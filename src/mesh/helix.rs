@@ -69,7 +69,7 @@ impl Helix {
 
     /// Adds tan β_b τ·c to the rolling displacement.
     #[inline]
-    pub(super) fn add_tilt(&self, geometry: Geometry, position: &mut RelativeMotion) {
+    pub(super) fn add_tilt_product(&self, geometry: Geometry, position: &mut RelativeMotion) {
         let centres = self.centres(geometry, position.relative_displacement);
         position.rolling_displacement += self.slope * dot(position.tilt, centres);
     }

@@ -141,14 +141,14 @@ impl Model {
         let structure = self.structure.get_or_init(|| Arc::new(self.find_structure()));
         let mut sum = self.chains(weights, Arc::clone(structure));
         let speed = self.circulation.filter(|_| !weights.symmetric).unwrap_or_default();
-        let frame_part = |support: &Support| support.frame_part(speed);
+        let stiffness_from_frame = |support: &Support| support.stiffness_from_frame(speed);
         for support in &self.supports {
             let stiffness = if weights.symmetric { &support.symmetric_part } else { &support.stiffness };
             let factor = weights.stiffness_of(support.loss_factor);
             for (i, (stiffness, damping)) in stiffness.iter().zip(&support.damping).enumerate() {
                 for (j, (stiffness, damping)) in stiffness.iter().zip(damping).enumerate() {
                     let value = factor * *stiffness + weights.damping * *damping;
-                    let value = value + weights.stiffness * frame_part(support)[i][j];
+                    let value = value + weights.stiffness * stiffness_from_frame(support)[i][j];
                     self.add_entry(&mut sum, support.index + i, support.index + j, value);
                 }
             }
@@ -156,7 +156,7 @@ impl Model {
         for Link { rows, local, .. } in &self.links {
             let stiffness = if weights.symmetric { &local.symmetric_part } else { &local.stiffness };
             let factor = weights.stiffness_of(local.loss_factor);
-            let frame = frame_part(local);
+            let frame = stiffness_from_frame(local);
             self.add_form(&mut sum, rows, |i, j| {
                 factor * stiffness[i][j] + weights.damping * local.damping[i][j] + weights.stiffness * frame[i][j]
             });

@@ -52,7 +52,8 @@ impl Link {
         Self { name, bearing: None, rows, local: Support::new(0, stiffness, damping), rest: None }
     }
 
-    /// The same element in a frame that turns relative to its damper.
+    /// The same element in a frame that turns relative to its damper with a multiple `frame` of the speed of the reference shaft. Such
+    /// a damper adds stiffness to that frame ([`Support::stiffness_from_frame`]).
     fn in_frame(self, frame: f64) -> Self {
         Self { local: self.local.in_frame(frame), ..self }
     }
@@ -203,7 +204,7 @@ pub(super) fn links(scene: &Scene, numbering: &Numbering) -> Vec<Link> {
             .filter(|_| !bearing.is_plain_support() && bearing.has_constant_part())
         {
             let link = Link::new(format!("bearings[{number}]"), rows.into(), stiffness, damping);
-            let link = link.with_loss_factor(bearing.loss_factor).in_frame(damper_frame(scene, bearing));
+            let link = link.with_loss_factor(bearing.loss_factor).in_frame(frame_speed_over_damper(scene, bearing));
             let rest = Rest { fixed: bearing.misalignment, turning: Complex64::ZERO, shaft: bearing.node.shaft };
             let rest = (rest.fixed != Complex64::ZERO).then_some(rest);
             links.push(Link { bearing: Some(bearing.node), rest, ..link });
@@ -220,7 +221,7 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
     let isotropic = |value: f64| [[value, 0.0], [0.0, value]];
     let mut push = |rows: Vec<Row>, stiffness: Matrix2, damping: Matrix2| {
         // One scalar, along the axis, has no direction that turns.
-        let frame = if rows.len() > 1 { damper_frame(scene, bearing) } else { 0.0 };
+        let frame = if rows.len() > 1 { frame_speed_over_damper(scene, bearing) } else { 0.0 };
         let link = Link::new(name.clone(), rows, stiffness, damping).with_loss_factor(bearing.loss_factor);
         let link = link.in_frame(frame);
         links.push(Link { bearing: Some(bearing.node), ..link });
@@ -237,7 +238,7 @@ fn hold(scene: &Scene, numbering: &Numbering, number: usize, bearing: &Bearing, 
 }
 
 /// Speed of the frame of a bearing relative to its damper, over that of the reference shaft: the damper of a pin turns with it.
-fn damper_frame(scene: &Scene, bearing: &Bearing) -> f64 {
+fn frame_speed_over_damper(scene: &Scene, bearing: &Bearing) -> f64 {
     match bearing.attachment {
         Some(Attachment::Pin { .. }) => 0.0,
         _ => scene.frame_ratio(bearing.node.shaft),

@@ -97,8 +97,9 @@ impl ShaftModel {
 }
 
 impl Support {
-    /// Ω_c C J of a damper that does not turn with the frame, with J u = i u, at a speed of the reference shaft; zero for another.
-    pub(super) fn frame_part(&self, speed: f64) -> [[f64; 2]; 2] {
+    /// Stiffness Ω_c C J that a damper adds if it does not turn with the frame, with J u = i u, at a speed of the reference shaft;
+    /// zero for another damper.
+    pub(super) fn stiffness_from_frame(&self, speed: f64) -> [[f64; 2]; 2] {
         let turn = speed * self.frame;
         self.damping.map(|[along_v, along_w]| [turn * along_w, -turn * along_v])
     }
@@ -107,14 +108,14 @@ impl Support {
 impl Model {
     /// Stiffness that a damper at rest adds in a frame that turns, where a constant displacement has a velocity seen from the ground.
     /// Matrix over the scalars of the element, N/m or N m/rad; zero unless the model contains the terms of a speed.
-    pub fn frame_part(&self, element: &Support) -> Matrix2 {
+    pub fn stiffness_from_frame(&self, element: &Support) -> Matrix2 {
         let speed = self.circulation.filter(|_| element.frame != 0.0);
-        speed.map_or(Matrix2::default(), |speed| element.frame_part(speed))
+        speed.map_or(Matrix2::default(), |speed| element.stiffness_from_frame(speed))
     }
 
     /// Force of this stiffness at the scalars u, N or N m.
     pub(super) fn frame_force(&self, element: &Support, u: [f64; 2]) -> [f64; 2] {
-        self.frame_part(element).map(|row| row[0] * u[0] + row[1] * u[1])
+        self.stiffness_from_frame(element).map(|row| row[0] * u[0] + row[1] * u[1])
     }
 
     /// Planets on pins of carriers that turn.
@@ -148,7 +149,7 @@ impl Model {
         for shaft in &self.shafts {
             shaft.visit_frame(speed, add);
         }
-        self.visit_supports(|support| support.frame_part(speed), add);
+        self.visit_supports(|support| support.stiffness_from_frame(speed), add);
         for planet in &self.planets {
             planet.visit_twist(speed, add);
         }

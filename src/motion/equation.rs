@@ -371,7 +371,7 @@ impl<'m> EquationOfMotion<'m> {
         self.constants.linear_speed = speed;
     }
 
-    /// Pose of a mesh.
+    /// What the force of a mesh depends on apart from its contact, at the phases of driver and driven gear, displacements and velocities.
     #[inline(always)]
     pub(super) fn pose<'a>(&self, mesh: usize, phases: &'a [ShaftPhase; 2], q: &[f64], v: &[f64]) -> MeshPose<'a> {
         self.model.meshes[mesh].pose(self.geometry, self.sigma[mesh], phases, q, v)

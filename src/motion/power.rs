@@ -290,9 +290,10 @@ impl EquationOfMotion<'_> {
                 across += v[2 * unknown + 1] * re - v[2 * unknown] * im;
             };
             for node in 0..chain.nodes {
-                let [displacement, rotation] = circulatory.nodal.row::<2>(node, q);
-                add(2 * node, displacement);
-                add(2 * node + 1, rotation);
+                // Force and moment βKq at the node.
+                let [force, moment] = circulatory.nodal.row::<2>(node, q);
+                add(2 * node, force);
+                add(2 * node + 1, moment);
             }
             circulatory.internal_product::<2>(q, add);
             let spin = self.spin_at(index, elapsed).0;

@@ -98,9 +98,9 @@ pub struct Motions<'py> {
     damped: usize,
 }
 
-/// Forms (points, outputs, sources) of entries of B with adjoint solutions (points, outputs, n) and phasors (points, sources, n) at
-/// rates λ of the motions e^{λt} and speeds, rad/s.
-/// `integrations` is the number of integrations of each source.
+/// yᵀB(λ, Ω)x, shape (points, outputs, sources), of adjoint solutions y, shape (points, outputs, n), and phasors x, shape (points,
+/// sources, n), at rates λ of the motions e^{λt} and speeds Ω, rad/s. `entries` are rows, columns and terms of the sparse matrix B, and
+/// `integrations` how often each source is integrated over time.
 #[pyfunction]
 pub fn motion_forms<'py>(
     py: Python<'py>,

@@ -121,7 +121,7 @@ impl LoadLaw {
         matches!(self, Self::Torque(_) | Self::SpeedTorque { .. })
     }
 
-    /// Torque at the first point of its table, N m; zero for a force.
+    /// Torque at the first point of its table, N m, whose sign gives the loaded flanks before a run; zero for a force.
     pub fn first_torque(&self) -> f64 {
         match self {
             Self::Torque(curve) | Self::SpeedTorque { curve, .. } => curve.at(curve.range()[0])[0],

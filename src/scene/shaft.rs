@@ -54,7 +54,7 @@ pub struct Tube {
     /// Material.
     pub material: Material,
     /// Fraction of its stiffness that acts: 1 for a part of a shaft.
-    pub stiffness: f64,
+    pub stiffness_fraction: f64,
 }
 
 /// A part of a shaft between two nodes, with the sleeves around it.
@@ -73,7 +73,7 @@ pub struct Element {
 impl Tube {
     /// A cylinder.
     pub fn cylinder(outer_radius: f64, inner_radius: f64, material: Material) -> Self {
-        Self { outer_radius: [outer_radius; 2], inner_radius: [inner_radius; 2], material, stiffness: 1.0 }
+        Self { outer_radius: [outer_radius; 2], inner_radius: [inner_radius; 2], material, stiffness_fraction: 1.0 }
     }
 
     /// Outer and inner radius at ξ = x/l, m.
@@ -123,7 +123,7 @@ impl Element {
     pub(super) fn rigidities(&self) -> [f64; 3] {
         self.tubes().fold([0.0; 3], |[axial, bending, torsion], tube| {
             let [outer, inner] = tube.radii(0.5);
-            let area = tube.stiffness * PI * (outer * outer - inner * inner);
+            let area = tube.stiffness_fraction * PI * (outer * outer - inner * inner);
             let inertia = area * (outer * outer + inner * inner) / 4.0;
             let Material { youngs_modulus, shear_modulus, .. } = tube.material;
             [axial + youngs_modulus * area, bending + youngs_modulus * inertia, torsion + 2.0 * shear_modulus * inertia]
@@ -256,7 +256,7 @@ fn add_sleeve(shafts: &mut [Shaft], given: &description::Sleeve, at: &EntryPath)
         )));
     }
     let material = Material::new(given.material.as_ref().unwrap_or(&STEEL), &at.field("material"))?;
-    let tube = Tube { stiffness, ..Tube::cylinder(outer / 2.0, inner / 2.0, material) };
+    let tube = Tube { stiffness_fraction: stiffness, ..Tube::cylinder(outer / 2.0, inner / 2.0, material) };
     // The place of names found the shaft, and made nodes of both ends.
     let Some(shaft) = shafts.iter_mut().find(|shaft| shaft.name == given.shaft) else { return Ok(()) };
     let [begin, end] =
@@ -405,7 +405,7 @@ fn shaft(
             outer_radius: [segment.outer_diameter / 2.0, outer_end / 2.0],
             inner_radius: [segment.inner_diameter / 2.0, inner_end / 2.0],
             material: own.unwrap_or(material),
-            stiffness: 1.0,
+            stiffness_fraction: 1.0,
         };
         tubes.push((start, segment.length, tube));
         start += segment.length;

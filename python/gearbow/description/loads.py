@@ -357,8 +357,8 @@ class ShaftExcitation(Part):
     The source rotates with the frequency ω. Its amplitude is that of the shaft at the spin ω: the
     force of the bow, forces of order 1 and eccentric couplings do not depend on ω, and the force
     of an unbalance is U ω². At the frequency of the spin the response is that of `synchronous`.
-    Where planets move laterally on a carrier that turns with Ω_c, ω is the frequency on the carrier
-    and ω + Ω_c the spin.
+    Where planets move laterally on a carrier that turns with Ω_c, ω is the frequency seen from the
+    carrier and ω + Ω_c the spin.
 
     Parameters
     ----------

@@ -402,7 +402,12 @@ def _more(kinematics: Kinematics, sidebands: int, found: Sequence[Order]) -> lis
     known = np.array([order.value for order in found])
     return [
         order
-        for order in kinematics.orders(0, MOST_HARMONICS, sidebands, 0)
+        for order in kinematics.orders(
+            shaft_harmonics=0,
+            mesh_harmonics=MOST_HARMONICS,
+            sidebands=sidebands,
+            bearing_harmonics=0,
+        )
         if not np.isclose(known, order.value, rtol=1e-9, atol=0.0).any()
     ]
 

@@ -387,7 +387,8 @@ def stresses(
     model, found = Model(dict(description)), []
     for shaft in shafts:
         sections, forces = access.section_forces(run, shaft)
-        positions = list(dict.fromkeys(x for _, x, _ in sections))
+        # A position may have two sections, one on each side.
+        positions = list(dict.fromkeys(x for _, x, _side in sections))
         angle = access.angle(run, shaft)[begin:]
         known = dict(model.sections(shaft, positions))
         found += [

@@ -90,12 +90,13 @@ class ParameterFamily:
             return _of_nodes(shaft, self._parts[index])._describe(f"shafts[{index}]")
         made: list[Any] = []
         rows = zip(segments_of(old), segments_of(shaft), self._parts[index], strict=True)
-        for before, after, inner in rows:
+        # The description has one segment for each part between boundaries within a segment.
+        for before, after, boundaries in rows:
             first, path = len(made), f"shafts[{index}].segments[{len(made)}]"
             if after is before:
-                made += known["segments"][first : first + len(inner) + 1]
+                made += known["segments"][first : first + len(boundaries) + 1]
             else:
-                made += [part._describe(path) for part in _between(after, inner)]
+                made += [part._describe(path) for part in _between(after, boundaries)]
         return {**known, "segments": made}
 
     def coordinates(self, model: Model) -> Coordinates:

@@ -125,7 +125,7 @@ impl Layout {
         (1..count).rev().find(|fewer| self.segments[segment].keeps_clear(*fewer))
     }
 
-    /// Number of elements of the shaft.
+    /// Number of elements of the shaft; stations inside a segment divide its equal parts further.
     pub fn elements(&self, counts: &[usize]) -> usize {
         self.segments.iter().zip(counts).map(|(segment, count)| segment.lengths(*count).len()).sum()
     }

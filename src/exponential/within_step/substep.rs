@@ -248,39 +248,40 @@ impl WithSimd for Sum<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<LANES>().0);
-        let (half, part) = (self.slowest.len(), self.time / self.step);
+        // Chunks of real parts, behind which those of imaginary parts begin, and the fraction τ of the step.
+        let (chunks, fraction) = (self.slowest.len(), self.time / self.step);
         let (z, state) = (self.z.as_chunks::<LANES>().0, self.state.as_chunks_mut::<LANES>().0);
         let forces = self.forces.as_chunks::<LANES>().0;
         let powers = self.count - 1;
         for (i, (functions, exponential)) in
             self.functions.chunks_exact_mut(self.count).zip(self.exponentials).enumerate()
         {
-            let force = |m: usize| [forces[2 * half * m + i], forces[2 * half * m + half + i]];
-            if i < half && powers > 0 && self.slowest[i] * self.step >= 1.0 {
+            let force = |m: usize| [forces[2 * chunks * m + i], forces[2 * chunks * m + chunks + i]];
+            if i < chunks && powers > 0 && self.slowest[i] * self.step >= 1.0 {
                 let begin = force(0);
                 let free: [Lanes; 2] = [
                     std::array::from_fn(|lane| z[i][lane] - begin[0][lane]),
-                    std::array::from_fn(|lane| z[half + i][lane] - begin[1][lane]),
+                    std::array::from_fn(|lane| z[chunks + i][lane] - begin[1][lane]),
                 ];
                 let mut sum = [[0.0; LANES]; 2];
                 for m in (0..powers).rev() {
-                    add(&mut sum, part, &force(m), |sum, part, force| sum * part + force);
+                    add(&mut sum, fraction, &force(m), |sum, fraction, force| sum * fraction + force);
                 }
                 add(&mut sum, 1.0, &rotated(exponential, &free[0], &free[1]), |sum, _, free| sum + free);
-                [state[i], state[half + i]] = sum;
+                [state[i], state[chunks + i]] = sum;
                 continue;
             }
             let x = scaled(&real[i], &imaginary[i], self.time);
             integrals(&x, exponential, functions);
             // The eigenvalues behind those of the slots belong to other pairs.
-            if i < half {
-                let (mut sum, mut factor) = (rotated(exponential, &z[i], &z[half + i]), self.time);
+            if i < chunks {
+                let (mut sum, mut factor) = (rotated(exponential, &z[i], &z[chunks + i]), self.time);
                 for (m, function) in functions[..powers].iter().enumerate() {
                     let [x, y] = force(m);
                     add(&mut sum, factor, &rotated(function, &x, &y), |sum, factor, added| sum + factor * added);
-                    factor *= part;
+                    factor *= fraction;
                 }
-                [state[i], state[half + i]] = sum;
+                [state[i], state[chunks + i]] = sum;
             }
         }
     }

@@ -108,6 +108,7 @@ impl Stiffness {
             Self::Shared(shared) => shared.elastic_state(path, engaged, deflection),
             Self::Lines(lines) => lines.elastic_state(path, deflection),
             Self::Cycle(cycle) => {
+                // Stiffness, and its derivatives by position and by tangent.
                 let (k, slope) = cycle.at(path.position / path.pitch);
                 ElasticState::of_spring([k, slope / path.pitch, 0.0], deflection)
             }

@@ -226,12 +226,12 @@ impl<'m> CriticalInverse<'m> {
         let weighted = DMatrix::zeros(model.len(), null.ncols());
         let mut inverse = Self { model, order, pins, factors: OnceCell::new(), weighted, null, positive_null: 0 };
         if inverse.null.ncols() > 0 {
-            let images: Vec<_> =
+            let inertia_of_null: Vec<_> =
                 inverse.null.column_iter().map(|column| inverse.inertia(&column.into_owned())).collect();
-            let images = DMatrix::from_columns(&images);
-            let small = inverse.null.adjoint() * &images;
+            let inertia_of_null = DMatrix::from_columns(&inertia_of_null);
+            let small = inverse.null.adjoint() * &inertia_of_null;
             // (B N) (NᴴBN)⁻¹; NᴴBN is Hermitian.
-            inverse.weighted = solve_complex(&small, &images.adjoint()).adjoint();
+            inverse.weighted = solve_complex(&small, &inertia_of_null.adjoint()).adjoint();
             inverse.positive_null = small.symmetric_eigenvalues().iter().filter(|value| **value > 0.0).count();
         }
         Ok(inverse)
