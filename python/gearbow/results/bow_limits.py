@@ -102,7 +102,9 @@ class BowLimits(WithSpeeds, Figured, ReadOnly):
     @property
     def limits(self) -> tuple[ReachedLimit, ...]:
         """Each limit at the speed with the smallest bow, by ascending bow."""
-        return tuple(sorted(map(_smallest, self._series_of_limits()), key=lambda one: one.bow))
+        # Round-off does not choose among equal limits.
+        smallest = map(_smallest, self._series_of_limits())
+        return tuple(sorted(smallest, key=lambda one: float(f"{one.bow:.9g}")))
 
     @property
     def deciding(self) -> ReachedLimit | None:

@@ -216,8 +216,9 @@ def test_a_machine_with_another_bearing():
     constant = PchipInterpolator(knots, [2e8, 2.5e8, 4e8, 6e8])
     for value in modes.eigenvalues[[2, 8, 11]]:
         own = with_bearing(constant(value.imag)).modes(speed, count=12).eigenvalues
-        # the number of modes with modal damping depends on the coefficients: 3e-8 is reached
-        assert np.min(np.abs(own - value)) < 1e-7 * abs(value)
+        # Modal damping of approximated modes depends on the coefficients: docs/formulation.md
+        # promises 6e-7.
+        assert np.min(np.abs(own - value)) < 6e-7 * abs(value)
     name = machine.meshes[0]
     response = system.frequency_response(
         [3000.0], source=gb.MeshExcitation((name.driver, name.driven)), speed=speed
