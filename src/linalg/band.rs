@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pulp::Arch;
 
-use super::number::{Number, Singular};
+use super::sparse_lu::{Number, Singular};
 
 /// A band matrix; row i stores the columns from i − L to i + L.
 #[derive(Clone, Debug)]

@@ -5,8 +5,10 @@
 
 use pulp::Arch;
 
-use super::number::Number;
-use super::product::LANES;
+use super::sparse_lu::Number;
+
+/// Number of numbers that SIMD loops handle together.
+pub const LANES: usize = 8;
 
 /// Columns that share one pass over the vector.
 const COLUMNS_PER_PASS: usize = 4;
@@ -79,6 +81,19 @@ pub fn combination<T: Number>(columns: &[T], size: usize, weights: &[T], count: 
     let mut sum = vec![T::zero(); count];
     add_combination(columns, size, weights, &mut sum);
     sum
+}
+
+/// Scalar product, summed in lanes because one sum would wait for each addition.
+#[inline(always)]
+pub fn product(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::number::Number;
+use super::sparse_lu::Number;
 
 /// Largest number of products with the operator.
 const MAX_PRODUCTS: usize = 80;

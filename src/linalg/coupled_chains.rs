@@ -27,7 +27,7 @@ use super::band::Band;
 use super::dense::ENTRY_ROUND_OFF;
 use super::determinant::Determinant;
 use super::minimum_degree::minimum_degree;
-use super::number::{Number, Singular};
+use super::sparse_lu::{Number, Singular};
 use super::sparse_lu::{Pivots, SparseColumns, SparseLu};
 use crate::numerics::SUM_ROUND_OFF;
 

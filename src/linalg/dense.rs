@@ -6,12 +6,11 @@ use faer::linalg::evd::{ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::traits::ComplexField;
 use faer::{Auto, Mat, MatRef, Par, Spec};
-use nalgebra::{Complex, DMatrix, DVector, Dyn, Storage, Vector};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, Scalar, Storage, Vector};
 use thiserror::Error;
 
-use super::convert::{copy, view};
 use super::inverse_iteration::refine_eigenvectors;
-use super::number::{Number, Singular};
+use super::sparse_lu::{Number, Singular};
 
 /// Failure of a dense decomposition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -244,4 +243,14 @@ pub fn semidefinite_root(matrix: &DMatrix<f64>) -> Vec<DVector<f64>> {
 /// The matrix of these columns of `rows` entries each; there may be no columns.
 pub fn matrix_of_columns<T: Number, S: Storage<T, Dyn>>(rows: usize, columns: &[Vector<T, Dyn, S>]) -> DMatrix<T> {
     if columns.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(columns) }
+}
+
+/// View of a matrix for faer.
+pub(super) fn view<T>(matrix: &DMatrix<T>) -> MatRef<'_, T> {
+    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
+}
+
+/// Copy of a matrix of faer.
+pub(super) fn copy<T: Copy + Scalar>(matrix: MatRef<'_, T>) -> DMatrix<T> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
 }

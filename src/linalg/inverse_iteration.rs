@@ -8,7 +8,7 @@
 use faer::linalg::solvers::Solve;
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::convert::{copy, view};
+use super::dense::{copy, view};
 use crate::numerics::ROUND_OFF;
 
 /// An eigenvector is wrong if its residual exceeds this times ‖A‖√n.

@@ -10,7 +10,7 @@ use nalgebra::{Complex, ComplexField as _, DMatrix, DVector};
 
 use super::columns::{add_combination, combination, products};
 use super::dense::{DecompositionError, Eigen, eigen};
-use super::number::Number;
+use super::sparse_lu::Number;
 use crate::numerics::ROUND_OFF;
 
 /// An operator with the inner product in which it is close to normal.

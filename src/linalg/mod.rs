@@ -3,7 +3,7 @@
 //!
 //! - Chains: `block_tridiagonal`, `chain` (with internal unknowns of elements).
 //! - Coupled chains: `band_order`, `band`, `coupled_chains`; `sparse_lu`, `minimum_degree`, `determinant`.
-//! - Dense: `dense`, `pencil`, `inverse_iteration`, `convert`, `product`.
+//! - Dense: `dense`, `pencil`, `inverse_iteration`.
 //! - Krylov spaces and iterations: `krylov` with `columns`, `conjugate_residuals`, `tridiagonal`; `sparse` matrices.
 
 mod band;
@@ -12,16 +12,13 @@ mod block_tridiagonal;
 mod chain;
 mod columns;
 mod conjugate_residuals;
-mod convert;
 mod coupled_chains;
 mod dense;
 mod determinant;
 mod inverse_iteration;
 mod krylov;
 mod minimum_degree;
-mod number;
 mod pencil;
-mod product;
 mod sparse;
 mod sparse_lu;
 mod tridiagonal;
@@ -30,7 +27,7 @@ pub use band::Band;
 pub use band_order::BandOrder;
 pub use block_tridiagonal::{BlockTridiagonal, BlockTridiagonalFactor, NotPositiveDefinite, load};
 pub use chain::{ChainFactor, ChainMatrix};
-pub use columns::{combination, products};
+pub use columns::{LANES, combination, product, products};
 pub use conjugate_residuals::{LeastResidual, conjugate_residuals};
 pub use coupled_chains::{BandChain, CoupledChains, CoupledFactors, MAX_BACKWARD_ERROR, Side, Structure};
 pub use dense::{
@@ -39,8 +36,7 @@ pub use dense::{
 };
 pub use determinant::Determinant;
 pub use krylov::{Krylov, Operator, RitzPair};
-pub use number::Singular;
 pub use pencil::{SymmetricPencil, symmetric_eigen, symmetric_pencil};
-pub use product::{LANES, product};
 pub use sparse::Sparse;
+pub use sparse_lu::Singular;
 pub use tridiagonal::{eigenvector, largest_eigenvalue};

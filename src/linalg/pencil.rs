@@ -14,8 +14,7 @@ use faer::{Mat, Par, Side};
 use nalgebra::{DMatrix, DVector};
 
 use super::DecompositionError;
-use super::convert::{copy, view};
-use super::dense::symmetric_eigenpairs;
+use super::dense::{copy, symmetric_eigenpairs, view};
 
 /// Part of the largest ω² below which modes are found again: its round-off is more than 2e-4 of their ω².
 const UNRESOLVED: f64 = 1e-12;

@@ -10,10 +10,20 @@
 
 use std::ops::Range;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, ComplexField};
+use thiserror::Error;
 
-use super::number::{Number, Singular};
 use crate::numerics::ROUND_OFF;
+
+/// Error: a matrix has no LU factors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the matrix is singular")]
+pub struct Singular;
+
+/// Real or complex numbers in double precision.
+pub trait Number: ComplexField<RealField = f64> + Copy {}
+
+impl<T: ComplexField<RealField = f64> + Copy> Number for T {}
 
 /// Least size of a pivot on the diagonal over that of the largest entry of its column (as in KLU). Exchanges destroy the order of the
 /// columns; refinement gives back the accuracy that small pivots cost.

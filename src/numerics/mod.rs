@@ -1,15 +1,27 @@
 //! Numerical methods that several folders use: Gauss–Legendre rules (`legendre`), piecewise cubic polynomials (`cubic`),
 //! searches on an interval (`interval`), the exponential function of several numbers (`exponential`), and limits of floating-point
-//! numbers (`tolerance`).
+//! numbers that mean the same in several folders.
 
 mod cubic;
 mod exponential;
 mod interval;
 mod legendre;
-mod tolerance;
 
 pub use cubic::{Cubic, Knot, PiecewiseCubic, Place, monotone_slopes, natural_slopes, periodic_slopes, spline_slopes};
 pub use exponential::{INVERSE_FACTORIAL, exponential};
 pub use interval::{Sample, bisect, maximum, root};
 pub use legendre::{gauss, integrated, integrated_slope, twice_integrated};
-pub use tolerance::{EQUALITY_TOLERANCE, LARGEST_EXACT_INTEGER, ROOT_OF_ROUND_OFF, ROUND_OFF, SUM_ROUND_OFF};
+
+/// Relative difference below which two quantities (positions, angles, ratios, coefficients) count as equal, and fraction of
+/// the largest one below which a quantity counts as zero. Sums over a shaft or a loop of meshes have a round-off below 1e-12,
+/// and tolerances of machines are above 1e-6.
+pub const EQUALITY_TOLERANCE: f64 = 1e-9;
+/// Relative size below which the result of a few hundred operations is round-off.
+pub const ROUND_OFF: f64 = 1e-12;
+/// Largest value up to which every whole number is an `f64`.
+pub const LARGEST_EXACT_INTEGER: u64 = 1 << 53;
+/// Relative size of a number whose square is round-off, and relative difference that round-off leaves where a square is compared: half
+/// of the digits of a number.
+pub const ROOT_OF_ROUND_OFF: f64 = 1e-8;
+/// Relative error of a sum of a few products.
+pub const SUM_ROUND_OFF: f64 = 8.0 * f64::EPSILON;

@@ -13,11 +13,13 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 use num_complex::Complex64;
 
 use super::first_order::FirstOrder;
-use super::growth::is_growing;
 use super::pairs::{ModePair, Pairs};
 use crate::linalg::{DecompositionError, LANES, matrix_of_columns};
 use crate::modal::undamped::RealModes;
 use crate::model::Model;
+
+/// Smallest ratio of a growth rate Re λ to |λ| and to the speed that counts as unstable; round-off causes smaller ones.
+const MIN_GROWTH: f64 = 1e-6;
 
 /// Largest accepted condition number κ of the modes. Results lose about log₁₀ κ digits.
 pub const MAX_CONDITION: f64 = 1e8;
@@ -371,4 +373,9 @@ fn radius(matrix: &StateMatrix) -> f64 {
         StateMatrix::Pairs(pairs) => pairs.iter().map(ModePair::largest).fold(0.0, f64::max),
         StateMatrix::Dense(matrix) => matrix.norm(),
     }
+}
+
+/// Whether a mode with the eigenvalue λ, rad/s, grows at a speed of the reference shaft, rad/s.
+pub fn is_growing(eigenvalue: Complex64, speed: f64) -> bool {
+    eigenvalue.re > MIN_GROWTH * eigenvalue.norm().max(speed.abs())
 }
