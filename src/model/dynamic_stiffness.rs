@@ -122,6 +122,11 @@ impl Weights {
 }
 
 impl Model {
+    /// Takes the order of elimination of another model that has the same coordinates, and couplings in the same places.
+    pub fn share_order(&mut self, other: &Self) {
+        self.structure = Arc::clone(&other.structure);
+    }
+
     /// Weighted sum of the matrices of shafts, bearings and connections, with the loaded flanks at `speed` (reference
     /// shaft, rad/s).
     pub fn dynamic_stiffness(&self, weights: &Weights, speed: f64) -> CoupledChains {

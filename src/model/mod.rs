@@ -198,7 +198,7 @@ pub struct Model {
     sigma_standing: Vec<f64>,
     /// Chains of all shafts, and the coordinates of supports and housings, ascending.
     parts: Vec<circular::Part>,
-    /// Structure of the dynamic stiffness, which models of the same scene at all speeds share.
+    /// Structure of the dynamic stiffness, which models of the same scene at all speeds, and those of a critical speed map, share.
     structure: Arc<OnceLock<Arc<Structure>>>,
 }
 

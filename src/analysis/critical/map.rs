@@ -74,7 +74,10 @@ pub fn critical_speed_map(
             .refuse_turning_frame("critical speed map; campbell() intersects modes with the lines of unbalance")?;
         Ok::<_, AnalysisError>(CachedModel::new(if model.needs_speed() { model.with_tables_at(0.0)? } else { model }))
     };
-    let models = threads.map(stiffnesses, model)?;
+    let mut models = threads.map(stiffnesses, model)?;
+    if let Some((first, others)) = models.split_first_mut() {
+        others.iter_mut().for_each(|other| other.share_order(first));
+    }
     let Some(first) = models.first() else { return Ok(Vec::new()) };
     let range = first.spectral_range(sense)?.clone();
     let found = Search { stiffnesses, models: &models, range: &range, order, count, interrupt }.run(threads)?;

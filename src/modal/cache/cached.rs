@@ -206,6 +206,11 @@ impl CachedModel {
         self.linear_part.get_or_init(|| Arc::clone(other.linear_part()));
     }
 
+    /// Takes the order of elimination of another model; see [`Model::share_order`].
+    pub fn share_order(&mut self, other: &Self) {
+        self.model.share_order(&other.model);
+    }
+
     fn linear_part(&self) -> &Arc<LinearPart> {
         self.linear_part.get_or_init(Arc::default)
     }
