@@ -152,8 +152,8 @@ pub fn campbell(
             return Err(place.error(message).into());
         }
     }
-    let one = cached.at_all(speeds)?;
-    let mut tracker = Tracker::new(&one, speeds, count, harmonics, threads, interrupt)?;
+    let common = cached.common_to(speeds)?;
+    let mut tracker = Tracker::new(&common, speeds, count, harmonics, threads, interrupt)?;
     let mut diagram = Campbell {
         eigenvalues: Vec::new(),
         whirl: Vec::new(),

@@ -18,10 +18,10 @@ pub use legendre::{gauss, integrated, integrated_slope, twice_integrated};
 pub const EQUALITY_TOLERANCE: f64 = 1e-9;
 /// Relative size below which the result of a few hundred operations is round-off.
 pub const ROUND_OFF: f64 = 1e-12;
-/// Largest value up to which every whole number is an `f64`.
+/// Largest whole number up to which an `f64` represents every whole number exactly.
 pub const LARGEST_EXACT_INTEGER: u64 = 1 << 53;
-/// Relative size of a number whose square is round-off, and relative difference that round-off leaves where a square is compared: half
-/// of the digits of a number.
+/// Square root of the round-off of a number: a smaller quantity has a square that is round-off, and two numbers whose squares are equal
+/// but for round-off differ by this much.
 pub const ROOT_OF_ROUND_OFF: f64 = 1e-8;
 /// Relative error of a sum of a few products.
 pub const SUM_ROUND_OFF: f64 = 8.0 * f64::EPSILON;

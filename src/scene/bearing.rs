@@ -145,7 +145,8 @@ pub enum Nonlinear {
     Rolling(Rolling),
 }
 
-/// Checks a nonlinear bearing outside a scene; gives its law and its damping over (y, z), N s/m. Errors begin with `bearing`.
+/// Checks the description of a nonlinear bearing that belongs to no scene, and returns its law and its damping over (y, z), N s/m. The
+/// path of an error begins with `bearing`.
 ///
 /// # Errors
 /// [`SceneError`] as for the bearing of a scene, or for a linear bearing.

@@ -31,7 +31,7 @@ class Coordinates(Shown):
     shafts: tuple[str, ...] = ()
     #: Housing and rows (6, modes) of each interface of an elastic housing.
     seats: Mapping[str, tuple[str, Array]] = field(default_factory=dict, repr=False)
-    #: The plain system with its elements, within which the core interpolates.
+    #: Description of the system with its elements: from it the core finds the motion between nodes.
     resolved: Mapping[str, Plain] = field(default_factory=dict, repr=False)
 
     @classmethod

@@ -76,7 +76,7 @@ pub fn critical_speed_map(
     };
     let mut models = threads.map(stiffnesses, model)?;
     if let Some((first, others)) = models.split_first_mut() {
-        others.iter_mut().for_each(|other| other.share_order(first));
+        others.iter_mut().for_each(|other| other.model.share_order(&first.model));
     }
     let Some(first) = models.first() else { return Ok(Vec::new()) };
     let range = first.spectral_range(sense)?.clone();

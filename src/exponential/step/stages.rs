@@ -143,7 +143,7 @@ impl Stages {
     }
 }
 
-/// Interface state, loads and contacts at one instant.
+/// States of the interfaces, loads and contacts at one instant of a step.
 #[derive(Clone, Debug)]
 pub struct StepPoint {
     /// Interface scalars (m, or rad), then their rates where loads depend on them.

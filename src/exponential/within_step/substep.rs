@@ -7,8 +7,9 @@
 //! ```
 //!
 //! Since xψ₀ = eˣ − 1 and xψₘ = m ψₘ₋₁ − 1, a fast mode has the motion e^{λt} (z₀ − g₀) + Σ gₘ τᵐ, where
-//! λh gₘ = (m + 1) gₘ₊₁ − h b aₘ: a polynomial itself, and a free motion. For a slow mode, |λ|h < 1, this cancels. There, the
-//! series of the last ψ gives those before.
+//! λh gₘ = (m + 1) gₘ₊₁ − h b aₘ: a free motion and a polynomial. For a slow mode, |λ|h < 1, both are large and nearly cancel, so
+//! that round-off would remain. For slow modes, a power series gives the function ψ of the highest index, and the relation
+//! xψₘ = m ψₘ₋₁ − 1 gives the others.
 
 use pulp::{Simd, WithSimd};
 
@@ -193,17 +194,18 @@ impl WithSimd for Polynomials<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let [real, imaginary] = self.eigenvalues.map(|part| part.as_chunks::<LANES>().0);
         let forces = self.forces.as_chunks_mut::<LANES>().0;
-        let half = self.slowest.len();
-        for i in (0..half).filter(|i| self.slowest[*i] * self.step >= 1.0) {
+        // Chunks of real parts, behind which those of imaginary parts begin.
+        let chunks = self.slowest.len();
+        for i in (0..chunks).filter(|i| self.slowest[*i] * self.step >= 1.0) {
             let inverse = inverse(&scaled(&real[i], &imaginary[i], self.step));
             let mut next = [[0.0; LANES]; 2];
-            for (m, forces) in forces.chunks_exact_mut(2 * half).enumerate().rev() {
+            for (m, forces) in forces.chunks_exact_mut(2 * chunks).enumerate().rev() {
                 for lane in 0..LANES {
                     next[0][lane] = (m + 1) as f64 * next[0][lane] - self.step * forces[i][lane];
-                    next[1][lane] = (m + 1) as f64 * next[1][lane] - self.step * forces[half + i][lane];
+                    next[1][lane] = (m + 1) as f64 * next[1][lane] - self.step * forces[chunks + i][lane];
                 }
                 next = rotated(&inverse, &next[0], &next[1]);
-                [forces[i], forces[half + i]] = next;
+                [forces[i], forces[chunks + i]] = next;
             }
         }
     }

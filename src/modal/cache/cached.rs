@@ -206,11 +206,6 @@ impl CachedModel {
         self.linear_part.get_or_init(|| Arc::clone(other.linear_part()));
     }
 
-    /// Takes the order of elimination of another model; see [`Model::share_order`].
-    pub fn share_order(&mut self, other: &Self) {
-        self.model.share_order(&other.model);
-    }
-
     fn linear_part(&self) -> &Arc<LinearPart> {
         self.linear_part.get_or_init(Arc::default)
     }
@@ -244,7 +239,7 @@ impl CachedModel {
     ///
     /// # Errors
     /// As [`Self::at_speed`].
-    pub fn at_all(&self, speeds: &[f64]) -> Result<AtSpeed<'_>, EquilibriumError> {
+    pub fn common_to(&self, speeds: &[f64]) -> Result<AtSpeed<'_>, EquilibriumError> {
         let mut known = speeds.iter().map(|speed| self.model.static_speed(*speed));
         match known.next() {
             Some(first) if known.all(|speed| speed == first) && !self.model.depends_on_frequency() => {
